@@ -67,6 +67,30 @@ TEST_CASE("a point set holds what was set, in whole, empty and mixed pages, thro
   }
 }
 
+TEST_CASE("words of pages that are not in order, or too large, are refused, and equal sets are read as equal") {
+  constexpr std::uint64_t kAll = ~std::uint64_t{0};
+  const auto isRead = [](std::vector<std::uint64_t> words, PointSet& set) {
+    std::span<const std::uint64_t> rest = words;
+    return set.read(rest);
+  };
+  PointSet set;
+  CHECK(isRead({2, 3, 1, kAll, 4, 1, kAll}, set));
+  CHECK(set == PointSet::range(3 * PointSet::kPage, 5 * PointSet::kPage));
+  CHECK_FALSE(isRead({2, 4, 1, kAll, 3, 1, kAll}, set));
+  CHECK_FALSE(isRead({2, 4, 1, kAll, 4, 1, kAll}, set));
+  CHECK_FALSE(isRead({1, 4, 2, kAll, kAll}, set));
+  CHECK_FALSE(isRead({1, kAll / PointSet::kPage, 1, kAll}, set));  // the number after its last point does not exist
+  CHECK(isRead({1, kAll / PointSet::kPage - 1, 1, kAll}, set));
+  CHECK(set.end() == kAll / PointSet::kPage * PointSet::kPage);
+  std::vector<std::uint64_t> whole{1, 7, 64};
+  whole.resize(3 + 64, kAll);
+  CHECK(isRead(whole, set));
+  CHECK(set == PointSet::range(7 * PointSet::kPage, 8 * PointSet::kPage));
+  std::ranges::fill(std::span(whole).subspan(3), 0);
+  CHECK(isRead(whole, set));
+  CHECK(set.empty());
+}
+
 TEST_CASE("a page with all of its points, however they were set, takes no more than a word") {
   const PointSet all = PointSet::range(0, 3 * PointSet::kPage);
   PointSet one;

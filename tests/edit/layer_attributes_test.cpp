@@ -17,10 +17,12 @@ namespace {
 class Layered {
  public:
   Layered(const PointCloud& cloud, const UndoBudget& budget, std::uint32_t seed)
-      : editor(cloud, seed), history(cloud, budget), random_(seed) {
+      : file(cloud), editor(cloud, seed), history(cloud, budget), random_(seed) {
     for (const auto& [name, type] : {std::pair("height", ScalarType::f32), std::pair("class", ScalarType::u8)})
-      for (LayerAttributes* each : {&attributes, &followed})
-        each->add(initialField(cloud, history.points(), name, type));
+      for (LayerAttributes* each : {&attributes, &followed}) {
+        AttributeChange made = initialField(cloud, history.points(), name, type, each->fields().size());
+        each->exchange(made);
+      }
   }
 
   void stroke() {
@@ -32,8 +34,7 @@ class Layered {
   }
   void set(AttributeChange change) {
     EditBatch batch{.attributes = {change}};
-    attributes.exchange(change);
-    history.follow(std::move(change));
+    history.make(std::move(change), [&](AttributeChange& made) { attributes.exchange(made); });
     take(batch);
   }
   void setMask(MaskRole role) { set(MaskFlip{.role = role, .points = somePoints()}); }
@@ -42,6 +43,9 @@ class Layered {
     change.values.resize(change.points.count() * sizeOf(attributes.fields()[field].values.type));
     for (std::byte& byte : change.values) byte = static_cast<std::byte>(random_());
     set(std::move(change));
+  }
+  void makeField(const std::string& name) {
+    set(initialField(file, history.points(), name, ScalarType::i64, attributes.fields().size()));
   }
   bool undo(bool back = true) {
     EditBatch batch;
@@ -82,6 +86,7 @@ class Layered {
   bool isFollowed() const {
     for (std::size_t role = 0; role < kMaskRoles; ++role)
       if (attributes.mask(static_cast<MaskRole>(role)) != followed.mask(static_cast<MaskRole>(role))) return false;
+    if (attributes.fields().size() != followed.fields().size()) return false;
     for (std::size_t i = 0; i < attributes.fields().size(); ++i)
       if (attributes.fields()[i].values.data != followed.fields()[i].values.data) return false;
     return true;
@@ -100,6 +105,7 @@ class Layered {
   }
 
  public:
+  PointCloud file;
   Editor editor;
   History history;
   LayerAttributes attributes, followed;
@@ -124,8 +130,11 @@ TEST_CASE("masks, fields and strokes that add and remove points are undone and r
       const unsigned kind = random() % 8;
       if (kind < 4) {
         if (kind == 0) layered.setMask(static_cast<MaskRole>(random() % kMaskRoles));
-        if (kind == 1) layered.setField(random() % 2);
-        if (kind > 1) layered.stroke();
+        if (kind == 1) layered.setField(random() % layered.attributes.fields().size());
+        if (kind == 2 && step % 3 == 0)
+          layered.makeField(fmt::format("field {}", step));
+        else if (kind > 1)
+          layered.stroke();
         CHECK((layered.history.version() == before) == (kind == 0));  // no mask is in a file
         states.resize(++at);
         versions.resize(at);
@@ -171,8 +180,7 @@ TEST_CASE("a new point has its parent's masks and values, and a removed one coun
   CHECK(attributes.fields()[1].values.data.at(12) == std::byte{0});
   CHECK(batch.attributes.size() == 3);  // for followers: one mask, two fields
 
-  PointCloud edited = editedCloud(cloud, history.points());
-  addFields(attributes.fields(), history.points(), edited);
+  const PointCloud edited = editedCloud(cloud, history.points(), attributes.fields());
   REQUIRE(edited.extra.size() == 2);
   CHECK(edited.extra[1].name == "class");
   std::vector<std::byte> values(12);
@@ -189,7 +197,7 @@ TEST_CASE("a new point has its parent's masks and values, and a removed one coun
 TEST_CASE("an exchange of a mask that is refused, or fails, changes neither side") {
   const PointCloud cloud = coloredCloud(10);
   History history(cloud, {1 << 20});
-  history.follow(MaskFlip{.points = PointSet::range(2, 5)});
+  history.make(MaskFlip{.points = PointSet::range(2, 5)}, [](AttributeChange&) {});
   const std::uint64_t bytes = history.bytes();
   PointSet seen;
   const auto look = [&](AttributeChange& change) { seen = std::get<MaskFlip>(change).points; };
@@ -222,10 +230,8 @@ TEST_CASE("a flip of 25 million scattered points of 50 million takes at most 8 M
   REQUIRE(flip.points.read(rest));
   CHECK(flip.points.count() > 24'900'000);
   LayerAttributes attributes;
-  AttributeChange change = flip;
-  attributes.exchange(change);
   History history(PointCloud(), {1 << 28});
-  history.follow(std::move(change));
+  history.make(flip, [&](AttributeChange& made) { attributes.exchange(made); });
   CHECK(history.bytes() <= 8'000'000);
   const Stopwatch since;
   CHECK(history.undo({.attributes = [&](AttributeChange& undone) {

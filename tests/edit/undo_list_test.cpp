@@ -55,12 +55,7 @@ struct Things {
   UndoList<Change> list{UndoBudget{100}};
 
   void make(Change change) {
-    list.begin();
-    swap(change);
-    if (list.makeRoom(bytesOf(change)))
-      list.add(std::move(change));
-    else
-      list.addTooLarge();
+    list.make(std::move(change), [this](Change& made) { swap(made); });
   }
   bool undo() {
     return list.undo([this](Change& change) { return swap(change); });
@@ -147,6 +142,23 @@ TEST_CASE("a change that fails or is refused leaves the list as it was") {
   }
   CHECK(things.redo());
   CHECK(things.word == "one");
+}
+
+TEST_CASE("an entry has its memory before its change is made, undone or redone, and is removed if that fails") {
+  Things things;
+  const auto isThere = [&](std::size_t undo, std::size_t redo) {
+    CHECK(things.list.undoCount() == undo);
+    CHECK(things.list.redoCount() == redo);
+    return true;
+  };
+  things.list.make(OfNumber{1}, [&](Change&) { isThere(1, 0); });
+  CHECK(things.list.undo([&](Change&) { return isThere(1, 1); }));
+  CHECK(things.list.redo([&](Change&) { return isThere(1, 1); }));
+  CHECK(things.list.undo([&](Change&) { return isThere(1, 1); }));
+  const auto fails = [](Change&) { throw std::bad_alloc(); };
+  CHECK_THROWS_AS(things.list.make(OfNumber{2}, fails), std::bad_alloc);
+  isThere(0, 1);  // what was undone can still be redone
+  CHECK(things.list.bytes() == 10);
 }
 
 TEST_CASE("the oldest changes go to the disk, come back in order, and are dropped once that is full, too") {

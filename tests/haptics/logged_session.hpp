@@ -36,6 +36,12 @@ inline EditBatch editsAt(std::uint32_t i) {
   return batch;
 }
 
+/// A change of a field of bytes.
+inline AttributeChange changeOf(std::uint32_t i, std::uint64_t points) {
+  return FieldChange{
+      .field = i, .points = PointSet::range(i, i + points), .values = std::vector<std::byte>(points, std::byte(i))};
+}
+
 inline void writeSession(const std::filesystem::path& file, std::uint32_t ticks, bool ends = true) {
   SessionWriter writer(file, "a text");
   for (std::uint32_t i = 0; i < ticks; ++i) {

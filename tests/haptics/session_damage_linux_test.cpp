@@ -137,6 +137,34 @@ TEST_CASE("a full disk keeps all but the last block that fits of many edits at o
   CHECK(missing(record, &LogGap::states) == kEdits - record.edits.points.size());
 }
 
+TEST_CASE("a full disk keeps the changes of fields that fit, and the log counts the others") {
+  const ScratchFolder folder;
+  constexpr std::uint32_t kChanges = 100;
+  const int told = inProcessWithSmallFiles(614'400, [&] {
+    SessionWriter writer(folder / "log", "a text");
+    for (std::uint32_t i = 0; i < kChanges; ++i) {
+      writer.add(EditBatch{.marks = {{0, EditMark::Kind::attribute}}, .attributes = {changeOf(i, 10'001)}});
+      writer.flush();
+    }
+    try {
+      writer.finish(77);
+      return 0;
+    } catch (const FileError& error) {
+      return std::string(error.what()).find("commands and 0 edits of points are missing in it") != std::string::npos
+                 ? 1
+                 : 0;
+    }
+  });
+  CHECK(told == 1);
+  const SessionRecord record = readSessionLog(folder / "log");
+  REQUIRE(record.end);
+  const std::size_t count = record.edits.attributes.size();
+  CHECK(count > 50);
+  CHECK(record.edits.marks.size() == count);
+  for (std::uint32_t i = 0; i < count; ++i) CHECK(record.edits.attributes[i] == changeOf(i, 10'001));
+  CHECK(count + missing(record, &LogGap::commands) == kChanges);
+}
+
 TEST_CASE("a log continues once the disk has space again, and states what is missing") {
   const ScratchFolder folder;
   CHECK(writeOnFullDisk(folder / "log", 100'000, 2000, 1000) == 1);

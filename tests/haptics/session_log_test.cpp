@@ -2,6 +2,8 @@
 
 #include <random>
 
+#include "engine/cloud/attribute_bytes.hpp"
+#include "engine/core/checksum.hpp"
 #include "engine/core/error.hpp"
 #include "haptics/devices/replay_device.hpp"
 #include "tests/haptics/logged_session.hpp"
@@ -22,6 +24,110 @@ TEST_CASE("a session log is read back as written") {
   CHECK(record.end->lostTicks == 0);
   CHECK(record.wholeBytes == record.fileBytes);
   CHECK(record.fileBytes == std::filesystem::file_size(folder / "log"));
+}
+
+TEST_CASE("changes of masks and fields are read back in order with strokes, whatever the size of their blocks") {
+  const ScratchFolder folder;
+  EditBatch all;
+  std::mt19937 random(3);
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    append(all, editsAt(i));
+    const unsigned kind = random() % 4;
+    if (kind == 0) all.points.resize(all.points.size() + random() % 600);
+    if (kind == 1) all.attributes.push_back(changeOf(i, 1 + random() % 3000));
+    if (kind == 2) all.attributes.push_back(MaskFlip{.role = MaskRole::locked, .points = PointSet::range(i, 9000)});
+    if (kind == 3)
+      all.attributes.push_back(FieldPresence{
+          .field = i, .isPresent = i % 2 == 0, .name = "höhe", .unit = "m", .type = 9, .points = i, .values = {}});
+    if (kind > 0) all.marks.push_back({all.points.size(), i % 3 ? EditMark::Kind::attribute : EditMark::Kind::redone});
+  }
+  {
+    SessionWriter writer(folder / "log", "a text");
+    writer.add(all);
+    // What new points took from their parents is found again from their states.
+    writer.add(EditBatch{.points = {{.number = 1}}, .attributes = {MaskFlip{}}});
+    const EditBatch last{.marks = {{0, EditMark::Kind::undone}}, .attributes = {changeOf(5, 7)}};
+    writer.add(last);
+    writer.finish(77);
+    all.points.push_back({.number = 1});
+    append(all, last);
+  }
+  const SessionRecord record = readSessionLog(folder / "log");
+  REQUIRE(record.end);
+  CHECK(record.gaps.empty());
+  CHECK(record.edits.points.size() == all.points.size());
+  CHECK(record.edits.marks == all.marks);
+  CHECK(record.edits.attributes == all.attributes);
+}
+
+namespace {
+
+void writeUnder(const std::filesystem::path& file, std::string content, std::uint32_t version) {
+  session_file::Header header;
+  std::memcpy(&header, content.data(), sizeof header);
+  const std::string text = content.substr(sizeof header, header.textBytes);
+  header.version = version;
+  header.checksum = 0;
+  Checksum sum;
+  sum.add(std::as_bytes(std::span(&header, 1)));
+  sum.add(std::as_bytes(std::span(text)));
+  header.checksum = sum.value();
+  for (const std::size_t at : {std::size_t{0}, sizeof header + text.size()})
+    std::memcpy(content.data() + at, &header, sizeof header);
+  write(file, content);
+}
+
+}  // namespace
+
+TEST_CASE("a log of the version before is read, and one of the version after is refused") {
+  const ScratchFolder folder;
+  writeSession(folder / "log", 200);
+  writeUnder(folder / "before", contentOf(folder / "log"), 5);
+  const SessionRecord before = readSessionLog(folder / "before");
+  checkBeginning(before);
+  CHECK(before.ticks.size() == 200);
+  CHECK(before.edits.marks == readSessionLog(folder / "log").edits.marks);
+  CHECK(before.end);
+  CHECK(readLoggedEdits(folder / "before").edits.points.size() == 600);
+  writeUnder(folder / "after", contentOf(folder / "log"), 7);
+  CHECK_THROWS_WITH_AS(readSessionLog(folder / "after"), doctest::Contains("version 7"), FileError);
+}
+
+TEST_CASE("a truncated or unknown change of a mask costs its block, and is reported") {
+  const ScratchFolder folder;
+  const auto hostile = [&](std::vector<std::byte> content) {
+    SessionLogFile file(folder / "log", "a text", {});
+    const session_file::Mark mark{.at = 0, .kind = 4, .bytes = content.size()};
+    content.resize((content.size() + 7) / 8 * 8);
+    file.append({.marks = {&mark, 1}, .attribute = content});
+    const SessionEnd end;
+    file.append({.end = &end});
+    file.close();
+    return readSessionLog(folder / "log");
+  };
+  const auto whole = bytesIn(MaskFlip{.points = PointSet::range(3, 300)});
+  CHECK(hostile(whole).edits.attributes.size() == 1);
+  const auto check = [&](const SessionRecord& record) {
+    CHECK(record.edits.attributes.empty());
+    CHECK(record.edits.marks.empty());
+    REQUIRE(record.gaps.size() == 1);
+    CHECK(record.end);
+    CHECK(saysOneOf(whatIsMissing(record), "are damaged: 0 ticks, 1 command and 0 edits of points"));
+  };
+  for (const std::size_t size : {std::size_t{7}, std::size_t{24}, std::size_t{40}, whole.size() - 8})
+    check(hostile({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)}));
+  const auto changed = [&](std::size_t word, std::uint64_t value) {
+    auto bytes = whole;
+    std::memcpy(bytes.data() + 8 * word, &value, sizeof value);
+    return bytes;
+  };
+  check(hostile(changed(0, 3)));                  // kind
+  check(hostile(changed(1, 1)));                  // layer
+  check(hostile(changed(2, kMaskRoles)));         // role
+  check(hostile(changed(3, ~std::uint64_t{0})));  // pages
+  check(hostile(changed(4, ~std::uint64_t{0})));  // number of a page
+  check(hostile(changed(5, 2)));                  // words of a page
+  check(hostile(bytesIn(FieldPresence{.name = "a", .type = 10})));
 }
 
 TEST_CASE("an empty session is a complete log, and an unfinished one has no end") {
@@ -51,7 +157,7 @@ TEST_CASE("a missing log, another file and another version are refused with a re
   for (const std::size_t header : {0u, 40u}) newer[header + 8] = 4;
   write(folder / "bad", newer);
   CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"),
-                       doctest::Contains("bad: is a session log of version 4, and this palpate reads version 5"),
+                       doctest::Contains("bad: is a session log of version 4, and this palpate reads versions 5 and 6"),
                        FileError);
   for (const std::size_t header : {0u, 40u}) newer[header + 8] = 5, newer[header + 16] = 1;
   write(folder / "bad", newer);

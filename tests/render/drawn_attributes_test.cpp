@@ -145,8 +145,13 @@ TEST_CASE_FIXTURE(AttributesFixture, "a field is drawn through a ramp over its r
     const std::vector<AttributeChange> selects{MaskFlip{.points = left}};
     drawn.attributes().follow(selects);
     CHECK(isColor(see(drawn, colors, raster).left(), tinted(ramp(0.75f))));
-    drawn.attributes().show(0, nullptr);
     drawn.attributes().follow(selects);
+    drawn.attributes().follow(std::vector<AttributeChange>{FieldPresence{.field = 2, .isPresent = false}});
+    CHECK(drawn.attributes().values() != nullptr);
+    drawn.attributes().follow(std::vector<AttributeChange>{FieldPresence{.field = 3, .isPresent = false}});
+    CHECK(see(drawn, colors, raster).color.rgba == own.color.rgba);
+    drawn.attributes().show(3, &field);
+    drawn.attributes().show(0, nullptr);
     CHECK(see(drawn, colors, raster).color.rgba == own.color.rgba);
   }
 }

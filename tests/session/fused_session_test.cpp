@@ -125,7 +125,7 @@ TEST_CASE("held frames are handed on, sculpted, undone and handed back, and play
   double until_s = 0;
   for (int guard = 0; guard < 100 && playing->session().playCounts()->played < 4; ++guard)
     playing->tickUntil(until_s += 0.02);
-  Model held = playing->handOn();
+  Model held = playing->handOn().model;
   playing.reset();
   REQUIRE(held.stream() != nullptr);
   const std::vector<Vec3> before = held.cloud.positions;
@@ -149,7 +149,7 @@ TEST_CASE("held frames are handed on, sculpted, undone and handed back, and play
   sculpting->lift();
   sculpting->tickUntil(until_s += 0.1);
   CHECK(sculpting->isChanged());
-  Model carved = sculpting->handOn();
+  Model carved = sculpting->handOn().model;
   sculpting.reset();
   REQUIRE(carved.stream() != nullptr);
   CHECK(carved.cloud.positions != before);

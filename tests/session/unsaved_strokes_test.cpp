@@ -6,8 +6,8 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/checksum.hpp"
 #include "engine/core/packed_state.hpp"
-#include "engine/edit/history.hpp"
 #include "haptics/session/model.hpp"
+#include "haptics/session/recorded_edits.hpp"
 #include "haptics/session/unsaved_strokes.hpp"
 #include "tests/content_of.hpp"
 #include "tests/history_steps.hpp"
@@ -25,8 +25,10 @@ struct Sculpted {
     unsaved.describe({.config = {.model = {.file = (root / "model.ply").string()}}, .machine = "one", .palpate = "1"});
   }
   void take(EditBatch batch) {
+    attributes.follow(batch, history.points());
     history.follow(batch);
-    unsaved.follow(batch, history.points(), history.version() != 0 || since.undone > 0, since);
+    const bool isChanged = history.version() != 0 || since.undone > 0 || attributes.hasMasks();
+    unsaved.follow(batch, history.points(), attributes, isChanged, since);
   }
   // Moves points of the cloud, or appends one.
   void stroke(const std::vector<std::uint32_t>& points, float to) {
@@ -47,6 +49,7 @@ struct Sculpted {
   StrokesSince since;
   Model model{.cloud = {.positions = {Vec3(0), Vec3(1)}, .normals = {Vec3(0, 0, 1), Vec3(0, 0, 1)}}};
   History history{model.cloud, {kUndo_bytes}};
+  LayerAttributes attributes;
   UnsavedStrokes unsaved;
 };
 
@@ -87,7 +90,8 @@ TEST_CASE("unsaved strokes are recovered unchanged, including undone and redone 
   REQUIRE(left.size() == 1);
   CHECK(left[0].since.made == 2);
   CHECK(left[0].document() == (folder / "model.ply").string());
-  followAgain(again, left[0].edits);
+  LayerAttributes attributes;
+  followAgain(again, attributes, left[0].edits);
   checkSame(again, before);
   redone(again);
   CHECK(again.points()[2].position == Vec3(4));
@@ -159,7 +163,8 @@ TEST_CASE("unsaved strokes of the version before are offered, and those of other
     const auto left = leftIn(folder.path());
     REQUIRE(left.size() == 1);
     CHECK(left[0].since.made == 2);
-    followAgain(again, left[0].edits);
+    LayerAttributes attributes;
+    followAgain(again, attributes, left[0].edits);
     checkSame(again, before);
   }
   std::string older = contentOf(log);
@@ -185,6 +190,26 @@ TEST_CASE("what unsaved strokes change in the file saved last is kept with them,
   REQUIRE(left.size() == 1);
   CHECK(left[0].since == StrokesSince{.made = 0, .undone = 1});
   CHECK(left[0].edits.points.empty());  // the model as it was loaded
+}
+
+TEST_CASE("masks that are in no saved file are kept also after a save") {
+  const ScratchFolder folder;
+  {
+    Sculpted sculpted(folder.path());
+    AttributeChange flip = MaskFlip{.points = PointSet::range(1, 2)};
+    EditBatch batch{.marks = {{0, EditMark::Kind::attribute}}, .attributes = {flip}};
+    sculpted.attributes.exchange(flip);
+    sculpted.take(std::move(batch));
+    sculpted.unsaved.saved();
+    sculpted.take({});  // the next frame
+  }
+  const auto left = leftIn(folder.path());
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].since == StrokesSince());
+  History history(PointCloud{.positions = {Vec3(0), Vec3(1)}});
+  LayerAttributes attributes;
+  followAgain(history, attributes, left[0].edits);
+  CHECK(attributes.mask(MaskRole::selected) == PointSet::range(1, 2));
 }
 
 TEST_CASE("a stroke in progress is counted among the unsaved strokes") {
@@ -222,7 +247,8 @@ TEST_CASE("saved strokes are not left, and later ones are relative to the model'
   CHECK_NOTHROW(left[0].requireModel(model));
   CHECK_THROWS_WITH_AS(left[0].requireModel(Model{}), doctest::Contains("has changed since"), FileError);
   History again(model.cloud, {kUndo_bytes});
-  followAgain(again, left[0].edits);
+  LayerAttributes attributes;
+  followAgain(again, attributes, left[0].edits);
   CHECK(std::ranges::equal(again.points(), before.points));
   left[0].folder->remove();
   left.clear();
@@ -236,7 +262,7 @@ TEST_CASE("recovered strokes stay recoverable while work continues, and are dele
     const std::vector<LeftStrokes> left = leftIn(folder.path());
     REQUIRE(left.size() == 1);
     Sculpted next(folder.path());
-    followAgain(next.history, left[0].edits);
+    followAgain(next.history, next.attributes, left[0].edits);
     next.unsaved.adopt(left[0]);
     next.since = {.made = 2};
     next.stroke({1}, 4);
