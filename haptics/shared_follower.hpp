@@ -8,6 +8,7 @@
 
 #include "engine/core/edit_follower.hpp"
 #include "haptics/information_age.hpp"
+#include "haptics/server_file.hpp"
 #include "haptics/shared_presence.hpp"
 
 namespace palpate {
@@ -53,6 +54,8 @@ class SharedFollower : public EditFollower {
   virtual void moved(const HandPlaces& hands) noexcept = 0;
   /// Log messages since the last call, the first few of them, to be shown elsewhere, too. Thread-safe.
   virtual std::vector<std::string> takeSaid() = 0;
+  /// The file of the server; null: unknown.
+  virtual ServerFile* file() { return nullptr; }
 };
 
 }  // namespace palpate

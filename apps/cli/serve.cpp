@@ -104,7 +104,8 @@ void serve(Context& context, const ServeOptions& options) {
                            .sculptable = !options.readOnly && !config.moves(),
                            .journal = options.journalFile,
                            .log = &context.log(),
-                           .facts = factsOf(model, config.model.matter)};
+                           .facts = factsOf(model, config.model.matter),
+                           .save = saverTo(options.saveFile)};
   addMotion(parts, context, config, loaded);
   CloudServer server(model.cloud, std::move(parts));
   context.log().say("serving '{}': {} of {}{}; {}", options.name, counted(model.cloud.size(), "point"),
@@ -128,7 +129,7 @@ void serve(Context& context, const ServeOptions& options) {
     context.log().say("{} streamed only the points around their hands: {} in {}{}", counted(counts.partial, "client"),
                       counted(counts.partialPoints, "point"), counted(counts.partialSteps, "step"),
                       config.moves() ? fmt::format(", of {}", counted(counts.frames, "frame")) : std::string());
-  if (!options.saveFile.empty()) saveKeeping(options.saveFile, editedCloud(model.cloud, server.points()));
+  if (!options.saveFile.empty()) server.save();
   context.writeJson({{"name", options.name},
                      {"points", model.cloud.size()},
                      {"mm_per_unit", model.scale.mm_per_unit},
@@ -162,7 +163,9 @@ void addServe(Options& app, Context& context, Command& command) {
           "and so do the hands that had joined")
       .typeName("FILE")
       .writes(Writes::keeping);
-  sub.add("--save", options->saveFile, "write the final points; an existing file is kept as a backup")
+  sub.add("--save", options->saveFile,
+          "write the final points, and the present ones when a participant saves; an existing file is kept as a "
+          "backup")
       .typeName("OUT.ply")
       .writes(Writes::keeping);
   sub.addFlag("--read-only", options->readOnly, "participants feel the model and cannot sculpt it");

@@ -384,6 +384,8 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
     saveKeeping(options.saveFile, end.cloud, {.notKept = &lost});
     for (const std::string& remark : {end.remark, lost})
       if (!remark.empty()) context.log().say("{}: {}", options.saveFile, remark);
+    report.atServer = session.saveAtServer();
+    if (report.atServer) context.log().say("{}: {}", options.join.name, inWords(*report.atServer));
   });
   outputs.write([&] {
     if (options.pictureFile.empty()) return;

@@ -97,6 +97,7 @@ struct TouchReport {
   std::optional<UndoneStrokes> back;   ///< if undo was requested
   std::optional<RosHand::Counts> ros;  ///< if it is published for ROS
   std::optional<SharedCounts> shared;  ///< if others feel and sculpt it, too
+  std::optional<ServerSave> atServer;  ///< answer of their server to --save
   std::optional<std::size_t> cameras;  ///< of the other participants at the end, if a session was joined
   std::vector<SeenHand> others;        ///< hands of the other participants at the end
   std::optional<FarReport> far;        ///< if another program has all of the points

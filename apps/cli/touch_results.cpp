@@ -110,6 +110,12 @@ constexpr Reported<RosHand::Counts> kRos[]{
     {"lost", "", "ticks dropped, as the queue was full", [](const RosHand::Counts& r) -> Value { return r.lost; }},
 };
 
+constexpr Reported<ServerSave> kServerSave[]{
+    {"written", "", "whether the server has written its file (palpate serve --save)", field<&ServerSave::written>},
+    {"points", "", "points in it", field<&ServerSave::points>},
+    {"words", "", "its name at the server, or why it was not written", field<&ServerSave::words>},
+};
+
 bool hasBall(const TouchReport& r) { return r.matter && r.matter->scene.coupling_N_mm > 0; }
 
 constexpr Reported<TouchReport> kTouch[]{
@@ -205,6 +211,8 @@ constexpr Reported<TouchReport> kTouch[]{
     {"ros", "", "publishing to ROS 2", [](const TouchReport& r) -> Value { return partBy(kRos, r.ros); }},
     {"shared", "", "exchange with the other participants of a joined session",
      [](const TouchReport& r) -> Value { return r.shared ? Value(toJson(*r.shared)) : std::nullopt; }},
+    {"server_save", "", "answer of the server to --save",
+     [](const TouchReport& r) -> Value { return partBy(kServerSave, r.atServer); }},
     {"cameras", "", "cameras of the other participants at the end",
      [](const TouchReport& r) -> Value { return r.cameras ? Value(*r.cameras) : std::nullopt; }},
     {"other_hands", "", "hands of the other participants at the end",
@@ -243,6 +251,7 @@ void listTouchResults(std::vector<ResultFacts>& all) {
   list("ros.", kRos);
   listSharingResults(all, "touch");
   list("hands[].", kHands);
+  list("server_save.", kServerSave);
   list("undo.", kUndo);
   list("recorded_forces.", kRecorded);
   list("log.", kLog);

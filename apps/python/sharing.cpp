@@ -39,7 +39,7 @@ namespace {
 struct ServeSettings {
   NetworkTuple network;
   bool read_only = false, estimate_normals = false;
-  std::optional<std::string> model, journal;
+  std::optional<std::string> model, journal, save;
   std::optional<double> mm_per_unit;
   std::uint32_t threads = 0;
 };
@@ -55,6 +55,7 @@ class PyServer {
     options.estimate_normals = settings.estimate_normals ? 1 : 0;
     options.model = settings.model ? settings.model->c_str() : nullptr;
     options.journal = settings.journal ? settings.journal->c_str() : nullptr;
+    options.save = settings.save ? settings.save->c_str() : nullptr;
     options.mm_per_unit = settings.mm_per_unit.value_or(0);
     options.threads = settings.threads;
     options.log = &Heard::hear;
@@ -185,6 +186,13 @@ void bindSessionsSharing(py::class_<PySession>& session) {
           "most `seconds`. True if so and the points are the server's, bit by bit; False also if the server\n"
           "does not answer. Not while the session is live. Raises Error with the status \"network\" if this\n"
           "hand's part has ended permanently.")
+      .def(
+          "_save_at_server",
+          [](PySession& self, double seconds) {
+            const pp_server_save save = self.with([&](pp::Session& open) { return open.saveAtServer(seconds); });
+            return py::make_tuple(save.written != 0, save.points, textOf(save.text));
+          },
+          py::arg("seconds"))
       .def("_sharing",
            [](PySession& self) { return told(self.with([](pp::Session& open) { return open.sharing(); })); })
       .def("_other_hands", &othersOf)
@@ -212,14 +220,15 @@ void bindSharing(py::module_& module) {
   py::class_<PyServer>(module, "_Server")
       .def(py::init([](const PyCloud& cloud, const std::string& name, const NetworkTuple& network, bool read_only,
                        const std::optional<std::string>& model, std::optional<double> mm_per_unit,
-                       bool estimate_normals, const std::optional<std::string>& journal, std::uint32_t threads) {
+                       bool estimate_normals, const std::optional<std::string>& journal,
+                       const std::optional<std::string>& save, std::uint32_t threads) {
              return std::make_unique<PyServer>(
                  cloud, name,
-                 ServeSettings{network, read_only, estimate_normals, model, journal, mm_per_unit, threads});
+                 ServeSettings{network, read_only, estimate_normals, model, journal, save, mm_per_unit, threads});
            }),
            py::arg("cloud"), py::arg("name"), py::arg("network"), py::arg("read_only") = false,
            py::arg("model") = py::none(), py::arg("mm_per_unit") = py::none(), py::arg("estimate_normals") = false,
-           py::arg("journal") = py::none(), py::arg("threads") = 0)
+           py::arg("journal") = py::none(), py::arg("save") = py::none(), py::arg("threads") = 0)
       .def("close", &PyServer::close,
            "close()\n\n"
            "Stops serving; later calls raise ClosedError. A with statement does it. Programs that have\n"

@@ -1,5 +1,7 @@
 #include "engine/cloud/point_store.hpp"
 
+#include <algorithm>
+
 #include "engine/core/checksum.hpp"
 
 namespace palpate {
@@ -14,7 +16,8 @@ std::uint64_t checksumOf(const Brick& brick) {
   add(brick.positions);
   add(brick.normals);
   add(brick.velocities);
-  add(brick.colors);
+  const bool isColored = std::ranges::any_of(brick.colors, [](std::uint32_t color) { return color != 0; });
+  if (isColored) add(brick.colors);
   return sum.value();
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/cloud/brick_grid.hpp"
@@ -22,7 +23,11 @@ struct Brick {
   bool operator==(const Brick&) const = default;
 };
 
+/// Colours that are all 0 count as none.
 std::uint64_t checksumOf(const Brick& brick);
+
+/// Number of times in a row that a damaged block is received before it is named, and no longer requested.
+inline constexpr int kMaxDamaged = 3;
 
 /// A brick as a store has it.
 struct PointBlock {
@@ -30,6 +35,11 @@ struct PointBlock {
   std::uint64_t version = 0;   ///< differs for every content that the block has had in its store
   std::uint64_t checksum = 0;  ///< checksumOf(*points), by the store
 };
+
+inline PointBlock blockOf(std::shared_ptr<const Brick> points, std::uint64_t version = 0) {
+  const std::uint64_t checksum = checksumOf(*points);
+  return {.points = std::move(points), .version = version, .checksum = checksum};
+}
 
 /// The points of a cloud by brick. A brick without points is a block, too. For one thread at a time.
 class PointStore {
@@ -43,6 +53,8 @@ class PointStore {
   /// Appends the keys of blocks that were received, changed or dropped since the last call, without those that want()
   /// finds here.
   virtual void takeNews(std::vector<BrickKey>& keys) = 0;
+  /// The points of this block do not fit their checksum: it is dropped, and read or requested again.
+  virtual void refuse(BrickKey key) = 0;
 };
 
 }  // namespace palpate

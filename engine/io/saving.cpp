@@ -2,6 +2,7 @@
 #include "engine/cloud/estimated_normals.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include "engine/core/atomic_file.hpp"
 #include "engine/core/error.hpp"
@@ -118,6 +119,14 @@ std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud 
           .written = std::filesystem::last_write_time(file, ignored),
           .kept = isOwn ? kept : std::filesystem::path()};
   return kept;
+}
+
+std::function<std::string(const PointCloud&)> saverTo(const std::string& file) {
+  if (file.empty()) return {};
+  return [file, own = std::make_shared<OwnSave>()](const PointCloud& points) {
+    saveKeeping(file, points, {.own = own.get()});
+    return file;
+  };
 }
 
 std::filesystem::path whereToSave(const std::filesystem::path& file) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -56,6 +57,9 @@ struct SaveOptions {
 /// AtomicFile::commitAndKeep() does. Of the versions that a session wrote itself only the newest is kept. Returns the
 /// kept file's new path, or an empty path. Throws FileError.
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud, const SaveOptions& options = {});
+
+/// Saves the points of one session to `file` again and again, by saveKeeping(); returns its name. Empty for no file.
+std::function<std::string(const PointCloud&)> saverTo(const std::string& file);
 
 /// Default path for saving a sculpted cloud of `file`: the same, or beside it if it would be saved in another format.
 std::filesystem::path whereToSave(const std::filesystem::path& file);

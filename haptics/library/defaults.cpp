@@ -136,5 +136,6 @@ PALPATE_INIT(join_options)
 PALPATE_INIT(sharing)
 PALPATE_INIT(serve_options)
 PALPATE_INIT(server_info)
+PALPATE_INIT(server_save)
 
 #undef PALPATE_INIT

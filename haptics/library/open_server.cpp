@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/io/saving.hpp"
 #include "haptics/library/joined_part.hpp"
 #include "haptics/library/options.hpp"
 #include "haptics/session/bounds.hpp"
@@ -17,6 +18,8 @@ Model modelFor(const CloudObject& cloud, const pp_serve_options& options, Log& l
   config.model.mm_per_unit = options.mm_per_unit;
   if (options.estimate_normals) config.model.normals = NormalSource::estimate;
   validate(config);
+  if (options.read_only && options.save)
+    throw UsageError("save, read_only: a read-only session has no strokes to save; leave one of them out");
   if (options.read_only && options.journal)
     throw UsageError("journal, read_only: a read-only session has no strokes to write; leave one of them out");
   return modelOf(cloud.cloud, config.model, {.log = log, .threads = options.threads});
@@ -31,6 +34,7 @@ CloudServer::Parts partsOf(const CloudObject& cloud, const Model& model, const s
           .sculptable = options.read_only == 0,
           .journal = textOf(options.journal),
           .log = &log,
+          .save = saverTo(textOf(options.save)),
           .stop = stopFrom(options.network)};
 }
 

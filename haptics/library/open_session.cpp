@@ -149,6 +149,16 @@ bool OpenSession::settleShared(double seconds) {
   return isSame;
 }
 
+ServerSave OpenSession::saveAtServer(double seconds) {
+  joined();
+  if (isLive())
+    session_->between([] {});  // takes the edits
+  else
+    settle();
+  checkShared();
+  return session_->saveAtServer(seconds).value_or(ServerSave{.words = "its points cannot be sculpted"});
+}
+
 void OpenSession::requireNotLive() const {
   if (isLive()) throw StateError("the session is live; stop it first");
 }

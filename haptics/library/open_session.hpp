@@ -71,6 +71,8 @@ class OpenSession {
   void record(const std::string& file);
   /// Session::settleShared(). Throws StateError while the session is live, and as joined() does.
   bool settleShared(double seconds);
+  /// Session::saveAtServer(). Throws as joined() does.
+  ServerSave saveAtServer(double seconds);
   void startLive(const pp_live_options& options);
   void stopLive();
 

@@ -116,6 +116,21 @@ pp_status pp_session_settle(pp_session session, double seconds, uint32_t* same) 
   });
 }
 
+pp_status pp_session_save_at_server(pp_session session, double seconds, pp_server_save* save) {
+  clear(save);
+  return commanding(session, [&](OpenSession& open) {
+    checkSize(required(save, "save").size, sizeof(pp_server_save), alignof(pp_server_save), "save");
+    if (!(seconds >= 0 && seconds <= bounds::kLongest_s))
+      throw UsageError("seconds: {} is not between 0 and {}", seconds, bounds::kLongest_s);
+    const ServerSave answer = open.saveAtServer(seconds);
+    pp_server_save given = usual<pp_server_save>();
+    given.written = answer.written ? 1 : 0;
+    given.points = answer.points;
+    putText(answer.words, given.text);
+    giveInfo(save, given, "save");
+  });
+}
+
 pp_status pp_serve(pp_cloud cloud, const char* name, const pp_serve_options* options, pp_server* server) {
   clear(server);
   return guarded([&] {

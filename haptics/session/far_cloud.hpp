@@ -10,6 +10,7 @@
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/cloud/up.hpp"
 #include "haptics/information_age.hpp"
+#include "haptics/server_file.hpp"
 
 namespace palpate {
 
@@ -75,6 +76,8 @@ class FarCloud {
   virtual void check() const = 0;
   /// Log messages since the last call, the first few of them, to be shown elsewhere, too. Thread-safe.
   virtual std::vector<std::string> takeSaid() = 0;
+  /// The file of its server; null: unknown.
+  virtual ServerFile* file() { return nullptr; }
 };
 
 }  // namespace palpate

@@ -324,12 +324,16 @@ void InteractiveSession::save(const std::string& file) {
           // The strokes since are strokes on the model's file, wherever it is saved.
           std::error_code isNone;
           if (unsaved_ && std::filesystem::is_regular_file(loaded, isNone)) unsaved_->keepModel();
-          std::string lost;
+          std::string remark = present ? present->remark : std::string(), lost;
+          const auto add = [&](const std::string& more) {
+            if (!more.empty()) remark += (remark.empty() ? "" : "; ") + more;
+          };
           const std::filesystem::path kept =
               saveKeeping(file, present ? std::move(present->cloud) : editedCloud(model().cloud, points, fields),
                           {.own = &saving_.own, .like = loaded, .notKept = &lost});
-          if (present && !present->remark.empty()) lost = present->remark + (lost.empty() ? "" : "; " + lost);
-          return Saved{file, kept.string(), {}, lost};
+          add(lost);
+          if (const auto answer = session_.saveAtServer()) add(inWords(*answer));
+          return Saved{file, kept.string(), {}, remark};
         } catch (const std::exception& error) {
           return Saved{file, {}, error.what(), {}};
         }

@@ -283,10 +283,9 @@ SculptedCloud Session::sculpted() const {
   }
   sculpted.edited = backend_->readBack(sculpted.cloud);
   if (!model().far() || model().far()->moves()) return sculpted;
-  sculpted.remark = fmt::format(
-      "{} of {} points, those known around the hands; the field 'number' has their numbers among all, and the "
-      "server saves all of them (palpate serve --save)",
-      sculpted.cloud.size(), model().extent()->points);
+  sculpted.remark =
+      fmt::format("{} of {} points, those known around the hands; the field 'number' has their numbers among all",
+                  sculpted.cloud.size(), model().extent()->points);
   sculpted.cloud.storedAs.comments.push_back("comment palpate: " + sculpted.remark);
   return sculpted;
 }

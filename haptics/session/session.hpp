@@ -29,6 +29,8 @@ using FollowerMaker = std::function<std::unique_ptr<EditFollower>(const Model& m
 
 /// Default maximum time that a session waits until its own edits and those of others are in effect everywhere.
 inline constexpr double kSharedPatience_s = 10;
+/// Wait for a server that is to write its file.
+inline constexpr double kServerSave_s = 30;
 /// Default maximum time that an ending session waits for a silent server.
 inline constexpr double kUnheard_s = 5;
 
@@ -296,6 +298,11 @@ class Session {
   /// Before a session ends, between runs: waits until the server has accepted all edits of this program, at most
   /// `timeout_s`, and at most `unheard_s` while the server is silent. Returns whether it has; if not, logs it.
   bool deliver(double timeout_s = kSharedPatience_s, double unheard_s = kUnheard_s);
+
+  /// Of a joined session that can be sculpted: asks the server to write its file, once it has accepted the edits that
+  /// have been taken in here, and waits for its answer, at most `timeout_s`, and not while it is silent. Nothing for
+  /// other models. For any thread.
+  std::optional<ServerSave> saveAtServer(double timeout_s = kServerSave_s) const;
 
  private:
   std::unique_ptr<TouchBackend> makeTouch(const SessionParts& parts);

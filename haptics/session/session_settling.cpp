@@ -66,6 +66,33 @@ bool Session::settleShared(double timeout_s, Settling until) {
   return isSettled();
 }
 
+std::optional<ServerSave> Session::saveAtServer(double timeout_s) const {
+  FarCloud* const near = model().far();
+  ServerFile* const file = near && near->isSculptable() ? near->file() : shared_ ? shared_->file() : nullptr;
+  if (!file) return std::nullopt;
+  const auto isDelivered = [&] { return near ? near->counts().delivered : shared_->counts().delivered; };
+  const auto isHeard = [&] { return known()->share() > 0; };
+  bool isAsked = false;
+  std::optional<ServerSave> answer;
+  for (const Stopwatch since; !answer && !isStopWanted() && isHeard() && since.elapsed_s() < timeout_s;) {
+    if (!isAsked && isDelivered()) {
+      file->requestWrite();
+      isAsked = true;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (isAsked) answer = file->answer();
+  }
+  if (answer) return answer;
+  if (!isHeard()) return ServerSave{.words = "it is silent"};
+  return ServerSave{.words = fmt::format("it has not {} within {:.3g} s",
+                                         isAsked ? "answered" : "received all edits made here", timeout_s)};
+}
+
+std::string inWords(const ServerSave& save) {
+  return save.written ? fmt::format("the server has saved all {} points in {}", save.points, save.words)
+                      : fmt::format("the server has not saved its points: {}", save.words);
+}
+
 bool Session::deliver(double timeout_s, double unheard_s) {
   if (!shared_ && !model().far()) return true;
   backend_->finish();

@@ -62,8 +62,9 @@ Heard BrickAssembly::hear(const Points& sample) {
 void BrickAssembly::add(const BrickPart& part, const Points& sample, std::size_t at) {
   Coming& coming = coming_[part.key];
   require(coming_.size() <= kMaxBricks, "too many bricks");
-  if (!coming.brick) coming = {.total = part.total, .brick = std::make_shared<Brick>()};
+  if (!coming.brick) coming = {.total = part.total, .checksum = part.checksum, .brick = std::make_shared<Brick>()};
   Brick& brick = *coming.brick;
+  require(part.checksum == coming.checksum, "a brick has two checksums");
   require(part.total == coming.total && part.count <= part.total - brick.size(),
           "a brick has more points than announced");
   comingPoints_ += part.count;
@@ -74,8 +75,7 @@ void BrickAssembly::add(const BrickPart& part, const Points& sample, std::size_t
     const std::uint32_t id = sample.ids._buffer[i];
     const Vec3 place(point.position[0], point.position[1], point.position[2]),
         normal(point.normal[0], point.normal[1], point.normal[2]);
-    constexpr float kLongest = 1.01f;  // maximum length of a unit normal
-    require(isFinite(place) && glm::length(normal) < kLongest, "a point has no valid position or normal");
+    require(isValid(point), "a point has no valid position or normal");
     require(grid_.keyAt(DVec3(place)) == part.key, "a point is in another brick");
     require(brick.ids.empty() || id > brick.ids.back(), "the ids of its points do not ascend");
     brick.ids.push_back(id);
@@ -93,7 +93,7 @@ void BrickAssembly::add(const BrickPart& part, const Points& sample, std::size_t
 void BrickAssembly::finish(bool whole) {
   for (auto& [key, coming] : coming_) {
     require(coming.brick->size() == coming.total, "a brick has fewer points than announced");
-    next_.bricks.emplace_back(key, std::move(coming.brick));
+    next_.bricks.emplace_back(key, PointBlock{.points = std::move(coming.brick), .checksum = coming.checksum});
     before_.erase(key);
     known_.insert(key);
   }

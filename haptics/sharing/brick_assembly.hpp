@@ -44,6 +44,7 @@ class BrickAssembly {
   std::uint64_t acked_ = 0;
   struct Coming {
     std::uint32_t total = 0;
+    std::uint64_t checksum = 0;
     std::shared_ptr<Brick> brick;
   };
   std::map<BrickKey, Coming> coming_;  // of the step in progress

@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-std::unique_ptr<FarTouch> feelSurface(BrickSource& source, const InformationAge& known, const BackendSetup& setup) {
+std::unique_ptr<FarTouch> feelSurface(BrickSource& source, const BackendSetup& setup) {
   const SessionConfig& config = setup.config;
   const Model& model = setup.model;
   const SurfaceOptions& surface = setup.surface;
@@ -31,15 +31,13 @@ std::unique_ptr<FarTouch> feelSurface(BrickSource& source, const InformationAge&
                                                         .tool = reach,
                                                         .origin = model.cloud.origin,
                                                         .brush = brushOf(config, model),
-                                                        .fixed = fixedBecause(config, model),
-                                                        .known = &known});
+                                                        .fixed = fixedBecause(config, model)});
 }
 
 }  // namespace
 
 std::unique_ptr<FarTouch> BrickCloud::makeTouch(const BackendSetup& setup) {
-  return setup.model.as<FarPoints>()->scene ? feelMatter(source(), known(), setup)
-                                            : feelSurface(source(), known(), setup);
+  return setup.model.as<FarPoints>()->scene ? feelMatter(source(), known(), setup) : feelSurface(source(), setup);
 }
 
 }  // namespace palpate

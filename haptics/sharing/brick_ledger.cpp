@@ -62,7 +62,7 @@ BrickLedger::Step BrickLedger::next(std::span<const Ball> balls, std::span<const
     sent += size;
     points_ += size - (there == known_.end() ? 0 : there->second.size);
     known_[key] = {.version = version, .size = size, .wantedAt = steps_};
-    step.bricks.emplace_back(key, bricks.brick(key));
+    step.bricks.emplace_back(key, *bricks.get(key));
   }
   return step;
 }

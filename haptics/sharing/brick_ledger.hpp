@@ -38,7 +38,7 @@ class BrickLedger {
  public:
   struct Step {
     std::vector<BrickKey> dropped;
-    std::vector<std::pair<BrickKey, std::shared_ptr<const Brick>>> bricks;
+    std::vector<std::pair<BrickKey, PointBlock>> bricks;
     bool whole = false;  ///< after this step the client has all it wants, as far as there is room
     bool isEmpty() const { return dropped.empty() && bricks.empty(); }
   };

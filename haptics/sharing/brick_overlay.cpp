@@ -5,47 +5,51 @@
 
 namespace palpate {
 
-void BrickOverlay::come(BrickKey key, std::shared_ptr<const Brick> brick) {
-  if (!own_.empty())
+using sharing::MadeState;
+using sharing::PointDigest;
+
+void BrickOverlay::come(BrickKey key, const Brick* brick) {
+  if (brick && !own_.empty())
     for (const std::uint32_t point : brick->ids)
       if (const auto own = own_.find(point); own != own_.end()) own->second.came = key;
-  come_[key] = std::move(brick);
   touched_.insert(key);
-}
-
-void BrickOverlay::drop(BrickKey key) {
-  if (come_.erase(key) > 0) touched_.insert(key);
 }
 
 void BrickOverlay::settle(std::span<const std::uint32_t> points) {
   for (const std::uint32_t point : points) {
     const auto own = own_.find(point);
     if (own == own_.end() || own->second.isNew) continue;
-    leave(own->second.state);
+    leave(own->second.made.state);
     touched_.insert(own->second.came);
     own_.erase(own);
   }
 }
 
-void BrickOverlay::make(std::span<const PointChange> changes) {
+void BrickOverlay::make(std::span<const PointChange> changes, const Bricks& shown, Replaces replaces) {
   for (const PointChange& change : changes) {
     const std::uint32_t point = change.to.number;
-    const auto [own, isFirst] = own_.try_emplace(point, Own{.state = change.from, .came = keyOf(change.from)});
+    MadeState made{.state = change.to};
+    if (replaces == Replaces::known) made.replaced = PointDigest::of(change.from);
+    const auto [own, isFirst] = own_.try_emplace(point, Own{.made = made, .came = keyOf(change.from)});
     if (isFirst)
-      touched_.insert(own->second.came = cameIn(point, own->second.came));
+      touched_.insert(own->second.came = cameIn(point, own->second.came, shown));
     else
-      leave(own->second.state);
-    own->second.state = change.to;
+      leave(own->second.made.state);
     stand(change.to);
-    if (!std::exchange(own->second.isNew, true)) made_.push_back(point);
+    if (std::exchange(own->second.isNew, true)) {
+      own->second.made.followedBy(made);
+    } else {
+      own->second.made = made;
+      made_.push_back(point);
+    }
   }
 }
 
 // Since the point was read, a brick other than `where` may have been received with it.
-BrickKey BrickOverlay::cameIn(std::uint32_t point, BrickKey where) const {
+BrickKey BrickOverlay::cameIn(std::uint32_t point, BrickKey where, const Bricks& shown) {
   const auto hasIt = [&](const Brick& brick) { return std::ranges::binary_search(brick.ids, point); };
-  if (const auto there = come_.find(where); there != come_.end() && hasIt(*there->second)) return where;
-  for (const auto& [key, brick] : come_)
+  if (const auto there = shown.find(where); there != shown.end() && hasIt(*there->second)) return where;
+  for (const auto& [key, brick] : shown)
     if (hasIt(*brick)) return key;
   return where;
 }
@@ -65,25 +69,24 @@ void BrickOverlay::leave(const PointState& state) {
   if (there->second.empty()) standing_.erase(there);
 }
 
-void BrickOverlay::takeMade(std::vector<PointState>& states) {
+void BrickOverlay::takeMade(std::vector<MadeState>& states) {
   for (const std::uint32_t point : made_) {
     Own& own = own_.at(point);
     own.isNew = false;
-    states.push_back(own.state);
+    states.push_back(own.made);
   }
   made_.clear();
 }
 
 std::set<BrickKey> BrickOverlay::takeTouched() { return std::exchange(touched_, {}); }
 
-std::shared_ptr<const Brick> BrickOverlay::shown(BrickKey key) const {
-  const auto came = come_.find(key);
-  if (came == come_.end()) return nullptr;
-  const Brick& brick = *came->second;
+std::shared_ptr<const Brick> BrickOverlay::shown(BrickKey key, std::shared_ptr<const Brick> stored) const {
+  if (!stored) return nullptr;
+  const Brick& brick = *stored;
   const auto standing = standing_.find(key);
   bool isSame = standing == standing_.end();
   for (std::size_t i = 0; isSame && !own_.empty() && i < brick.size(); ++i) isSame = !own_.contains(brick.ids[i]);
-  if (isSame) return came->second;
+  if (isSame) return stored;
   const auto result = std::make_shared<Brick>();
   const auto add = [&](std::uint32_t id, const Vec3& position, const Vec3& normal, std::uint32_t color) {
     result->ids.push_back(id);
@@ -97,7 +100,7 @@ std::shared_ptr<const Brick> BrickOverlay::shown(BrickKey key) const {
   auto next = own.begin();
   const auto addOwnBefore = [&](std::uint64_t id) {
     for (; next != own.end() && *next < id; ++next) {
-      const PointState& state = own_.at(*next).state;
+      const PointState& state = own_.at(*next).made.state;
       add(*next, state.position, state.normal, state.color);
     }
   };

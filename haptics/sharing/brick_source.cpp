@@ -58,30 +58,23 @@ bool BrickSource::knows(const HandReaches& hands) const {
 bool BrickSource::await(const HandReaches& hands, double timeout_s) { return await(hands, hands, timeout_s); }
 
 bool BrickSource::await(const HandReaches& hands, const HandReaches& wide, double timeout_s) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
   std::unique_lock hold(lock_);
   want(wide);
-  waitFor(hold, timeout_s, [&] { return knows(hands) && (isWhole_ || knows(wide)); });
+  for (;;) {
+    takeNews();
+    compose(From::store);
+    const std::chrono::duration<double> left = end - std::chrono::steady_clock::now();
+    if (isOver_ || left.count() <= 0 || (knows(hands) && (isWhole_ || knows(wide)))) break;
+    came_.wait_for(hold, std::min(left, std::chrono::duration<double>(kStorePoll_s)));
+  }
   if (!knows(hands)) return false;
   awaitedFor_s_ = hands.time_s;
   if (awaited_.version != now_.version) awaited_ = now_;
   return true;
 }
 
-// Receives blocks meanwhile. Returns whether the condition holds.
-template <class Holds>
-bool BrickSource::waitFor(std::unique_lock<std::mutex>& hold, double timeout_s, const Holds& holds) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
-  for (;;) {
-    takeNews();
-    compose(From::store);
-    if (isOver_ || holds()) return holds();
-    const std::chrono::duration<double> left = end - std::chrono::steady_clock::now();
-    if (left.count() <= 0) return false;
-    came_.wait_for(hold, std::min(left, std::chrono::duration<double>(kStorePoll_s)));
-  }
-}
-
-// Requests the bricks that the hands reach, the nearest to the middle of a reach first, after those of a change.
+// Requests the bricks that the hands reach, the nearest to the middle of a reach first.
 void BrickSource::want(const HandReaches& hands) {
   std::vector<std::pair<double, BrickKey>> reached;
   for (std::uint32_t i = 0; i < hands.count; ++i) {
@@ -93,7 +86,7 @@ void BrickSource::want(const HandReaches& hands) {
     });
   }
   std::ranges::sort(reached);
-  std::vector<BrickKey> keys = fetched_;
+  std::vector<BrickKey> keys;
   for (const auto& [distance, key] : reached) keys.push_back(key);
   if (keys == wanted_) return;
   wanted_ = std::move(keys);
@@ -103,17 +96,26 @@ void BrickSource::want(const HandReaches& hands) {
 }
 
 void BrickSource::take(BrickKey key) {
-  std::optional<PointBlock> block = store_.get(key);
-  if (block && checksumOf(*block->points) != block->checksum) {
+  const std::optional<PointBlock> block = store_.get(key);
+  const bool isDamaged = block && checksumOf(*block->points) != block->checksum;
+  if (isDamaged) {
     const IVec3 at = BrickGrid::brickOf(key);
-    said_.push_back(
-        fmt::format("the points of the block ({}, {}, {}) are damaged, and count as missing", at.x, at.y, at.z));
-    block.reset();
+    const int times = ++damaged_[key];
+    if (times == kMaxDamaged)
+      said_.push_back(
+          fmt::format("the points of the block ({}, {}, {}) are damaged, and count as missing", at.x, at.y, at.z));
+    if (times < kMaxDamaged) store_.refuse(key);
+  } else if (block) {
+    damaged_.erase(key);
   }
-  if (block)
-    overlay_.come(key, std::move(block->points));
-  else
-    overlay_.drop(key);
+  overlay_.come(key, block && !isDamaged ? block->points.get() : nullptr);
+}
+
+// Null if the store does not have it, or not as it should be.
+std::shared_ptr<const Brick> BrickSource::stored(BrickKey key) const {
+  if (damaged_.contains(key)) return nullptr;
+  std::optional<PointBlock> block = store_.get(key);
+  return block ? std::move(block->points) : nullptr;
 }
 
 void BrickSource::takeNews() {
@@ -122,17 +124,14 @@ void BrickSource::takeNews() {
   for (const BrickKey key : news_) take(key);
 }
 
-std::vector<BrickKey> BrickSource::missing() const {
-  const std::scoped_lock hold(lock_);
-  std::vector<BrickKey> keys;
-  for (const BrickKey key : wanted_)
-    if (!now_.bricks.contains(key)) keys.push_back(key);
-  return keys;
-}
-
 std::vector<std::string> BrickSource::takeSaid() {
   const std::scoped_lock hold(lock_);
   return std::exchange(said_, {});
+}
+
+bool BrickSource::takeRefused() {
+  const std::scoped_lock hold(lock_);
+  return received_.takeRefused();
 }
 
 void BrickSource::giveUp() {
@@ -155,7 +154,7 @@ bool BrickSource::compose(From changes) {
   bool isChanged = false, isAny = false;
   for (const BrickKey key : overlay_.takeTouched()) {
     isAny = true;
-    std::shared_ptr<const Brick> brick = overlay_.shown(key);
+    std::shared_ptr<const Brick> brick = overlay_.shown(key, stored(key));
     if (brick && changes == From::store) followed_.show(key, *brick);
     const auto known = now_.bricks.find(key);
     if (known != now_.bricks.end()) {
@@ -178,7 +177,7 @@ bool BrickSource::apply(BrickUpdate update) {
   const std::scoped_lock hold(lock_);
   PALPATE_CHECK(&store_ == &received_);
   for (const BrickKey key : update.dropped) received_.drop(key);
-  for (auto& [key, brick] : update.bricks) received_.receive(key, std::move(brick));
+  for (auto& [key, block] : update.bricks) received_.receive(key, std::move(block));
   takeNews();
   overlay_.settle(update.settled);
   const bool isChanged = compose(From::store);
@@ -242,7 +241,7 @@ PointCloud BrickSource::cloud() const {
 
 std::uint64_t BrickSource::make(std::span<const PointChange> changes, std::uint32_t stroke) {
   const std::scoped_lock hold(lock_);
-  overlay_.make(changes);
+  overlay_.make(changes, now_.bricks, BrickOverlay::Replaces::any);
   compose(From::here);
   followed_.edited(changes, stroke);
   return now_.version;
@@ -263,34 +262,20 @@ void BrickSource::endStroke() {
   followed_.endStroke();
 }
 
-// What is known of others' changes to points that are not here is as old as when their bricks were.
-void BrickSource::fetch(std::unique_lock<std::mutex>& hold, std::span<const PointChange> changes, double timeout_s) {
-  for (const PointChange& change : changes) fetched_.push_back(grid_.keyAt(DVec3(change.from.position)));
-  std::ranges::sort(fetched_);
-  fetched_.erase(std::unique(fetched_.begin(), fetched_.end()), fetched_.end());
-  const auto request = [&] { want(asked_.load().value_or(HandReaches{})); };
-  waitFor(hold, timeout_s, [&] {
-    std::erase_if(fetched_, [&](BrickKey key) { return now_.bricks.contains(key); });
-    request();
-    return fetched_.empty();
-  });
-  fetched_.clear();
-  request();
-}
-
-std::uint64_t BrickSource::change(std::span<const PointChange> changes, double timeout_s) {
-  std::unique_lock hold(lock_);
-  fetch(hold, changes, timeout_s);
+std::uint64_t BrickSource::change(std::span<const PointChange> changes) {
+  const std::scoped_lock hold(lock_);
+  takeNews();
+  compose(From::store);
   std::vector<PointChange> standing;
   for (const PointChange& change : changes)
     if (followed_.stands(change.from)) standing.push_back(change);
-  overlay_.make(standing);
+  overlay_.make(standing, now_.bricks, BrickOverlay::Replaces::known);
   compose(From::here);
   followed_.changed(standing);
   return now_.version;
 }
 
-void BrickSource::takeMade(std::vector<PointState>& states) {
+void BrickSource::takeMade(std::vector<sharing::MadeState>& states) {
   const std::scoped_lock hold(lock_);
   overlay_.takeMade(states);
 }

@@ -28,9 +28,9 @@ struct BrickUpdate {
   double true_s = 0;              ///< for moving points: steadyNow_s() of the positions of all known bricks
   bool whole = false;             ///< nothing requested is still to be received
   std::vector<BrickKey> dropped;  ///< no longer known
-  std::vector<std::pair<BrickKey, std::shared_ptr<const Brick>>> bricks;  ///< new contents
-  std::vector<std::uint32_t> settled;     ///< points edited here whose edits this update contains
-  std::array<Vec3, kMaxHands> force_N{};  ///< of simulated matter on the hands here
+  std::vector<std::pair<BrickKey, PointBlock>> bricks;  ///< new contents, with the checksums of the server
+  std::vector<std::uint32_t> settled;                   ///< points edited here whose edits this update contains
+  std::array<Vec3, kMaxHands> force_N{};                ///< of simulated matter on the hands here
 };
 
 /// Forces of matter that the server simulates on the hands here.
@@ -58,7 +58,8 @@ struct HandReaches {
 
 /// The bricks of a store as frames: the points of all known bricks in the order of the whole cloud, so that sums over
 /// neighbours equal those over the whole cloud, bit by bit. A point's number in a frame is its index there. A brick
-/// whose checksum does not fit its points counts as missing, and is named (takeSaid()).
+/// whose checksum does not fit its points counts as missing and is requested again, and after a few times it is named
+/// (takeSaid()).
 /// The next frame contains the changes of apply() and of the store. ask(), covers() and await() are for one thread,
 /// makeFrame() and hasNewer() for another one, all other functions for any thread.
 class BrickSource final : public CloudSource {
@@ -98,10 +99,10 @@ class BrickSource final : public CloudSource {
   /// Discards all known bricks.
   void forget();
 
-  /// Bricks that the hands reach, or change() needs, and that are not here, the most urgent first.
-  std::vector<BrickKey> missing() const;
   /// Messages about damaged bricks since the last call.
   std::vector<std::string> takeSaid();
+  /// Damaged bricks of apply() since the last call have to be requested again.
+  bool takeRefused();
 
   // Local edits of points that do not move: frames made after an edit contain it.
   /// Appends the current points of a box relative to the cloud's origin.
@@ -116,12 +117,12 @@ class BrickSource final : public CloudSource {
   /// EditStream::take(): with the state of each point before its first edit, and what others make of it later.
   void takeEdits(EditBatch& batch);
   void endStroke();
-  /// Sets points as EditStream::change() does, of kept edits. First waits up to `timeout_s` for the bricks that they
-  /// were last in, as others may have changed them; points that others have changed stay as they are, and are reported
-  /// as received. Returns as make().
-  std::uint64_t change(std::span<const PointChange> changes, double timeout_s);
+  /// Sets points as EditStream::change() does, of kept edits. Points that others have changed stay as they are, and are
+  /// reported as received: at once, as far as that is known here, or when the server has refused the change. Returns as
+  /// make().
+  std::uint64_t change(std::span<const PointChange> changes);
   /// BrickOverlay::takeMade().
-  void takeMade(std::vector<PointState>& states);
+  void takeMade(std::vector<sharing::MadeState>& states);
   /// Version of the frame that is true for `frame_s`, one of the last ones made; 0: it is not one of those.
   std::uint64_t versionOf(double frame_s) const noexcept;
   /// From now on await() does not block, and returns false unless the bricks are known.
@@ -145,9 +146,8 @@ class BrickSource final : public CloudSource {
     std::uint64_t version = 0;
     std::vector<BrickKey> keys;
   };
-  using Bricks = std::map<BrickKey, std::shared_ptr<const Brick>>;
   struct State {
-    Bricks bricks;
+    BrickOverlay::Bricks bricks;
     double true_s = 0;
     std::uint64_t version = 0;
   };
@@ -162,10 +162,8 @@ class BrickSource final : public CloudSource {
   bool isReached(const HandReaches& hands, BrickKey key) const;
   void want(const HandReaches& hands);
   void take(BrickKey key);
+  std::shared_ptr<const Brick> stored(BrickKey key) const;
   void takeNews();
-  template <class Holds>
-  bool waitFor(std::unique_lock<std::mutex>& hold, double timeout_s, const Holds& holds);
-  void fetch(std::unique_lock<std::mutex>& hold, std::span<const PointChange> changes, double timeout_s);
   enum class From { here, store };
   bool compose(From changes);
   const Made* madeFor(double frame_s) const noexcept;
@@ -181,8 +179,8 @@ class BrickSource final : public CloudSource {
   std::condition_variable came_;
   ReceivedBricks received_;
   PointStore& store_;
-  std::vector<BrickKey> fetched_, wanted_;  // by change(); of the store: those, and what the hands reach
-  std::vector<BrickKey> news_;
+  std::vector<BrickKey> wanted_, news_;  // of the store: what the hands reach
+  std::map<BrickKey, int> damaged_;      // bricks that count as missing: times in a row that they were damaged
   std::vector<std::string> said_;
   State now_{.version = 1};
   std::size_t points_ = 0;

@@ -26,7 +26,6 @@ namespace {
 // In support radii: the margin around the paths of the hand and its proxy that an answer depends on; the margin
 // requested before the proxy's path is known; and the margin around a script's start.
 constexpr double kMadeOf = 1.25, kMayGo = 3, kAtFirst = 12;
-constexpr double kFetch_s = 2;  // maximum wait for points that are changed and not loaded
 
 }  // namespace
 
@@ -147,8 +146,7 @@ std::size_t BrickTouch::readBack(PointCloud& cloud) const {
 
 void BrickTouch::change(std::span<const PointChange> changes) {
   sculptor_.finish();
-  const bool isHeard = !options_.known || options_.known->share() >= 1;
-  sculptor_.setVersion(source_.change(changes, isHeard ? kFetch_s : 0));
+  sculptor_.setVersion(source_.change(changes));
 }
 
 void BrickTouch::setBrush(const std::optional<BrushOptions>& brush) {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "engine/core/edit_stream.hpp"
-#include "haptics/information_age.hpp"
 #include "haptics/session/far_touch.hpp"
 #include "haptics/sharing/brick_sculptor.hpp"
 #include "haptics/sharing/brick_source.hpp"
@@ -23,7 +22,6 @@ struct BrickTouchOptions {
   double timeout_s = 10;                   ///< timeout of virtual time, which waits for unknown points
   std::optional<BrushOptions> brush = {};  ///< of the first hand
   std::string fixed = {};                  ///< error text if the points cannot be sculpted; empty: they can
-  const InformationAge* known = nullptr;   ///< of a link: while it is silent, nothing waits for it; null: always heard
 };
 
 /// Wraps the back end that feels the points of a BrickSource, and sculpts them: it sends the source the positions of
@@ -57,8 +55,7 @@ class BrickTouch final : public FarTouch, public EditStream {
   void keep() override { source_.keepEdits(); }
   void take(EditBatch& batch) override { source_.takeEdits(batch); }
   EditProgress progress() const noexcept override { return {.states = sculptor_.states(), .dropped = 0}; }
-  /// Points that others have changed since the last take() stay as they are, which take() reports. Where points are no
-  /// longer loaded, waits for them as long as a link may take.
+  /// Points that others have changed stay as they are, which take() reports, now or when it is known here.
   void change(std::span<const PointChange> changes) override;
   /// Edits of others are received with the bricks.
   bool offer(std::span<const PointChange>, std::uint64_t) override { return false; }

@@ -82,11 +82,27 @@ class Fetch {
   Heard take(const Points& sample) {
     const Heard heard = order_.judge(sample.epoch, sample.sample);
     if (heard != Heard::taken) return heard;
+    if (sample.points._length > 0 && !isIntact(sample)) return Heard::gap;
     order_.take();
     lastCame_ = {};
     if (sample.points._length > 0) addBlock({sample.points._buffer, sample.points._length});
     if (wanted_.edits && received() == count_) addEdits(sample);
     return heard;
+  }
+
+  // A damaged block is requested again, a few times.
+  bool isIntact(const Points& sample) {
+    const std::uint64_t number = blocksOf(received());
+    const std::span<const Point> block(sample.points._buffer, sample.points._length);
+    if (sample.parts._length == 1 && sample.parts._buffer->key == number &&
+        sample.parts._buffer->checksum == sharing::checksumOf(block)) {
+      damaged_ = 0;
+      return true;
+    }
+    if (++damaged_ >= kMaxDamaged)
+      throw NetworkError("'{}' of {}: block {} of its points was received {} times, and was damaged each time",
+                         notice_.name, notice_.host, number, damaged_);
+    return false;
   }
 
   void addBlock(std::span<const Point> block) {
@@ -97,14 +113,11 @@ class Fetch {
                          block.size(), count);
     PointCloud& cloud = joined_.cloud;
     for (const Point& point : block) {
-      const Vec3 position(point.position[0], point.position[1], point.position[2]),
-          normal(point.normal[0], point.normal[1], point.normal[2]);
-      constexpr float kLongest = 1.01f;  // maximum length of a unit normal
-      if (!isFinite(position) || !(glm::length(normal) < kLongest))
+      if (!isValid(point))
         throw NetworkError("'{}' of {}: point {} is invalid: it has no position or no normal", notice_.name,
                            notice_.host, received());
-      cloud.positions.push_back(position);
-      cloud.normals.push_back(normal);
+      cloud.positions.emplace_back(point.position[0], point.position[1], point.position[2]);
+      cloud.normals.emplace_back(point.normal[0], point.normal[1], point.normal[2]);
       if (notice_.colored) cloud.colors.push_back(unpackedColor(point.color));
     }
   }
@@ -127,6 +140,7 @@ class Fetch {
   JoinedCloud joined_;
   std::vector<PointState> states_, come_;  // as edited
   bool isWhole_ = false;
+  int damaged_ = 0;  // times in a row that the next block was damaged
   Stopwatch lastCame_;
 };
 

@@ -10,6 +10,7 @@
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/motion_thread.hpp"
 #include "haptics/sharing/point_server.hpp"
+#include "haptics/sharing/point_writer.hpp"
 #include "haptics/sharing/session_name.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/stroke_server.hpp"
@@ -62,7 +63,8 @@ struct CloudServer::Link {
         pings(participant, topics.pings, keepingLast(bestEffortQos(), kMaxPings)),
         versions(participant),
         wait(participant),
-        shared(statesOf(cloud)) {
+        shared(statesOf(cloud)),
+        writer({.cloud = cloud, .points = shared, .save = parts.save, .log = parts.log}) {
     wait.attach(pings);
     if (parts.sculptable) goOn();
     streams.emplace(PointServer::Parts{.participant = participant,
@@ -145,6 +147,7 @@ struct CloudServer::Link {
   VersionWatch versions;
   ReaderWait wait;
   SharedPoints shared;
+  PointWriter writer;
   std::optional<StrokeJournal> journal;
   std::optional<StrokeServer> strokes;
   std::optional<PointServer> streams;
@@ -174,7 +177,9 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
     PointServer& streams = *link_->streams;
     link_->pings.take([&](const Ping& ping) {
       if (!isSame(ping.session, link_->session)) return;
-      link_->echoes.write(ping);
+      Ping echo = ping;
+      link_->writer.answer(echo);
+      link_->echoes.write(echo);
       ++link_->answered;
       streams.heard(idOf(ping.client));
     });
@@ -185,7 +190,7 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
     streams.take();
     if (link_->moving)
       if (auto moved = link_->moving->newest(); moved.frame) streams.show(std::move(moved.frame), moved.hands);
-    next_s = streams.write();
+    next_s = std::min(link_->writer.turn(), streams.write());
     if (link_->moving && !streams.isIdle()) next_s = std::min(next_s, kFrameLook_s);
   }
 }
@@ -213,5 +218,7 @@ ServedCounts CloudServer::counts() const {
 }
 
 std::span<const PointState> CloudServer::points() const { return link_->shared.points(); }
+
+void CloudServer::save() { link_->writer.writeNow(); }
 
 }  // namespace palpate

@@ -19,12 +19,15 @@ void EditExchange::set(const PointState& state) {
 }
 
 // It comes after all known edits of others, including those in flight to the back end.
-void EditExchange::made(const PointState& state) {
+void EditExchange::made(const PointState& state, Replaces replaces) {
   const std::uint32_t point = state.number;
+  PALPATE_CHECK_LT(point, shown_.size());
+  MadeState made{.state = state};
+  if (replaces == Replaces::known) made.replaced = PointDigest::of(shown_[point]);
   set(state);
   waiting_.erase(point);
   if (inFlight_.contains(point)) overtaken_[point] = state;
-  outbox_.add(state);
+  outbox_.add(made);
 }
 
 void EditExchange::received(std::span<const PointState> states) {
@@ -54,11 +57,12 @@ void EditExchange::follow(const EditBatch& batch) {
     if (mark.kind == EditMark::Kind::received)
       received(states);
     else
-      for (const PointState& state : states) made(state);
+      for (const PointState& state : states)
+        made(state, mark.kind == EditMark::Kind::change ? Replaces::known : Replaces::any);
     changesFollowed_ += mark.kind == EditMark::Kind::change;
     begin = mark.at;
   }
-  for (const PointState& state : all.subspan(begin)) made(state);
+  for (const PointState& state : all.subspan(begin)) made(state, Replaces::any);
 }
 
 std::span<const PointChange> EditExchange::nextOffer() {

@@ -87,7 +87,8 @@ class EditExchange {
  private:
   using ByPoint = std::unordered_map<std::uint32_t, PointState>;
   void set(const PointState& state);
-  void made(const PointState& state);
+  enum class Replaces { any, known };
+  void made(const PointState& state, Replaces replaces);
   void received(std::span<const PointState> states);
 
   std::vector<PointState> shown_;  // as the back end has them, as far as it has reported

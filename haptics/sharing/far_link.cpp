@@ -84,6 +84,7 @@ class FarLink final : public BrickCloud {
   }
 
   std::vector<std::string> takeSaid() override { return link_.takeSaid(); }
+  ServerFile* file() override { return &link_; }
 
   void check() const override {
     const std::scoped_lock hold(link_.lock());
@@ -113,6 +114,7 @@ class FarLink final : public BrickCloud {
         gap = true;
       }
     });
+    if (source_.takeRefused()) gap = true;
     if (gap) restart();
   }
 
@@ -141,7 +143,7 @@ class FarLink final : public BrickCloud {
   void send() {
     made_.clear();
     source_.takeMade(made_);
-    for (const PointState& state : made_) outbox_.add(state);
+    for (const MadeState& state : made_) outbox_.add(state);
     link_.send(outbox_, std::exchange(progresses_, false));
   }
 
@@ -178,22 +180,8 @@ class FarLink final : public BrickCloud {
 
   void ask(const HandReaches& hands) {
     const double trip_s = link_.counts().roundTrip_ms.value_or(kFirstTrip_ms) * 1e-3;
-    Wanted wanted{
-        .epoch = assembly_.epoch(), .taken = assembly_.taken(), .every = 0, .balls = balls_.around(hands, trip_s)};
-    addMissing(source_.missing(), wanted.balls);
-    link_.points().ask(wanted);
-  }
-
-  // Points beyond the balls of the hands: a small ball around each of the most urgent bricks.
-  void addMissing(const std::vector<BrickKey>& missing, std::vector<Ball>& balls) const {
-    const BrickGrid& grid = source_.grid();
-    for (const BrickKey key : missing) {
-      if (balls.size() >= kMaxBalls) return;
-      const IVec3 brick = BrickGrid::brickOf(key);
-      const auto isIn = [&](const Ball& ball) { return grid.distance(brick, ball.center) <= ball.radius; };
-      if (std::ranges::any_of(balls, isIn)) continue;
-      balls.push_back({.center = (DVec3(brick) + 0.5) * grid.edge(), .radius = grid.edge()});
-    }
+    link_.points().ask(
+        {.epoch = assembly_.epoch(), .taken = assembly_.taken(), .every = 0, .balls = balls_.around(hands, trip_s)});
   }
 
   const FarParts parts_;
@@ -204,7 +192,7 @@ class FarLink final : public BrickCloud {
   BrickAssembly assembly_;
   HandBalls balls_;
   StrokeOutbox outbox_;
-  std::vector<PointState> made_;
+  std::vector<MadeState> made_;
   std::uint64_t lastAcked_ = 0;
   bool progresses_ = false;
   std::optional<RestartWatch> restarts_;

@@ -18,8 +18,9 @@ LinkProbe::LinkProbe(const JoinedSession& session)
 bool LinkProbe::turn() {
   bool isAnswered = false;
   echoes_.take([&](const Ping& echo) {
-    if (isSame(echo.session, server_) && isSame(echo.client, client_))
-      isAnswered = statistics_.answered(echo.number, since_.elapsed_s()) || isAnswered;
+    if (!isSame(echo.session, server_) || !isSame(echo.client, client_)) return;
+    isAnswered = statistics_.answered(echo.number, since_.elapsed_s()) || isAnswered;
+    request_.hear(echo);
   });
   if (lastPing_.elapsed_s() < (sent_ < kFirstPings ? kFirstPings_s : kPing_s)) return isAnswered;
   lastPing_ = {};
@@ -28,6 +29,7 @@ bool LinkProbe::turn() {
   set(ping.client, client_);
   ping.number = sent_ = statistics_.sent(since_.elapsed_s());
   ping.sent_us = since_.elapsed_us();
+  ping.write = request_.write();
   pings_.write(ping);
   return isAnswered;
 }

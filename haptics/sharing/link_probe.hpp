@@ -4,6 +4,7 @@
 #include "engine/core/clock.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/link_statistics.hpp"
+#include "haptics/sharing/write_request.hpp"
 
 namespace palpate::sharing {
 
@@ -18,6 +19,9 @@ class LinkProbe {
   bool turn();
   /// From now on pings another server of the session's name.
   void follow(const Id& server) { server_ = server; }
+  /// Requests a write of the server's file, from the next ping on.
+  void requestWrite() { request_.begin(sent_); }
+  const std::optional<ServerSave>& answer() const { return request_.answer(); }
   LinkCounts counts() const { return statistics_.counts(since_.elapsed_s()); }
 
  private:
@@ -25,6 +29,7 @@ class LinkProbe {
   Writer<Ping> pings_;
   Reader<Ping> echoes_;
   LinkStatistics statistics_;
+  WriteRequest request_;
   std::uint32_t sent_ = 0;
   Stopwatch since_, lastPing_;
 };

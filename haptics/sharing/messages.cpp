@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "engine/core/checksum.hpp"
 #include "engine/core/packed_state.hpp"
+#include "engine/core/vec.hpp"
 
 namespace palpate::sharing {
 
@@ -80,6 +80,12 @@ std::string printable(const char* text) {
     text += std::max<std::size_t>(size, 1);
   }
   return shown;
+}
+
+bool isValid(const Point& point) {
+  constexpr float kLongest = 1.01F;  // maximum length of a unit normal
+  return isFinite(Vec3(point.position[0], point.position[1], point.position[2])) &&
+         glm::length(Vec3(point.normal[0], point.normal[1], point.normal[2])) < kLongest;
 }
 
 State stateOf(const PointState& point) {

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/checksum.hpp"
 #include "engine/core/point_state.hpp"
 #include "haptics/sharing/dds.hpp"
 #include "haptics/sharing/id.hpp"
@@ -28,7 +30,7 @@ using Points = palpate_sharing_PointsSample;
 using Ping = palpate_sharing_Ping;
 
 /// Version of the network protocol; raised with each change of a type.
-inline constexpr std::uint32_t kVersion = 8;
+inline constexpr std::uint32_t kVersion = 9;
 /// Points of a block, which fits into one Ethernet frame: DDS resends one fragment of a split sample per round trip,
 /// but all lost whole samples at once.
 inline constexpr std::uint32_t kBlockPoints = 43;
@@ -88,5 +90,13 @@ PointState pointOf(const State& state);
 
 /// Checksum of the origin and of all data of the points that is sent.
 std::uint64_t checksumOf(const PointCloud& cloud);
+/// Checksum of a block of points.
+inline std::uint64_t checksumOf(std::span<const Point> block) {
+  Checksum sum;
+  sum.add(std::as_bytes(block));
+  return sum.value();
+}
+/// Whether a server can have sent it.
+bool isValid(const Point& point);
 
 }  // namespace palpate::sharing

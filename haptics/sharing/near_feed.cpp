@@ -10,7 +10,7 @@ namespace {
 constexpr LedgerLimits kStillLimits{.known = 1 << 17, .atOnce = 1024};
 constexpr LedgerLimits kMovingLimits{.known = 1 << 13, .atOnce = 1 << 13};
 // Sizes within a sample, which is one Ethernet frame (messages.hpp).
-constexpr std::size_t kRoom_bytes = 1200, kHead_bytes = 16, kPoint_bytes = 32, kVelocity_bytes = 12;
+constexpr std::size_t kRoom_bytes = 1200, kHead_bytes = 24, kPoint_bytes = 32, kVelocity_bytes = 12;
 
 }  // namespace
 
@@ -89,15 +89,18 @@ void NearFeed::fill(StreamSample& sample) {
   if (going.forces != HandsForces{}) room -= sizeof going.forces;
   const BrickLedger::Step& step = going.step;
   for (; going.dropped < step.dropped.size() && room >= kHead_bytes; ++going.dropped, room -= kHead_bytes)
-    sample.parts.push_back({.key = step.dropped[going.dropped], .total = kBrickDropped, .count = 0});
+    sample.parts.push_back({.key = step.dropped[going.dropped], .total = kBrickDropped, .count = 0, .checksum = 0});
   while (going.brick < step.bricks.size() && room >= kHead_bytes) {
-    const auto& [key, brick] = step.bricks[going.brick];
+    const auto& [key, block] = step.bricks[going.brick];
+    const std::shared_ptr<const Brick>& brick = block.points;
     const bool moves = !brick->velocities.empty();
     const std::size_t each = kPoint_bytes + (moves ? kVelocity_bytes : 0);
     const std::size_t count = std::min(brick->size() - going.point, (room - kHead_bytes) / each);
     if (count == 0 && brick->size() > 0) break;
-    sample.parts.push_back(
-        {.key = key, .total = static_cast<std::uint32_t>(brick->size()), .count = static_cast<std::uint32_t>(count)});
+    sample.parts.push_back({.key = key,
+                            .total = static_cast<std::uint32_t>(brick->size()),
+                            .count = static_cast<std::uint32_t>(count),
+                            .checksum = block.checksum});
     for (std::size_t i = going.point; i < going.point + count; ++i) {
       Point point{};
       for (int axis = 0; axis < 3; ++axis) {

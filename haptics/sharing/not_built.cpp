@@ -27,6 +27,7 @@ CloudServer::~CloudServer() = default;
 void CloudServer::serve(const std::atomic<bool>&, double) { refuse(); }
 ServedCounts CloudServer::counts() const { refuse(); }
 std::span<const PointState> CloudServer::points() const { refuse(); }
+void CloudServer::save() { refuse(); }
 
 std::unique_ptr<SharedFollower> shareEdits(const SharedParts&) { refuse(); }
 

@@ -1,6 +1,7 @@
-// A checksum of a cloud that is updated point by point.
+// A checksum of a cloud that is updated point by point, and edits that apply to one state of a point only.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "engine/core/checksum.hpp"
@@ -17,9 +18,7 @@ class PointDigest {
   }
   void replace(const PointState& was, const PointState& is) { sum_ += of(is) - of(was); }
   std::uint64_t value() const { return sum_; }
-
- private:
-  // A removed point contributes only its number.
+  /// What a point contributes; a removed one only its number.
   static std::uint64_t of(const PointState& point) {
     Checksum sum;
     sum.addValue(packedState(point).id);
@@ -30,7 +29,22 @@ class PointDigest {
     }
     return sum.value();
   }
+
+ private:
   std::uint64_t sum_ = 0;
+};
+
+/// A state that a hand has made, on its way to the server.
+struct MadeState {
+  PointState state;
+  /// PointDigest::of() the state that it replaces, and no other; empty: it replaces any.
+  std::optional<std::uint64_t> replaced = {};
+
+  /// Both are sent as one.
+  void followedBy(const MadeState& later) {
+    state = later.state;
+    if (!later.replaced) replaced.reset();
+  }
 };
 
 }  // namespace palpate::sharing

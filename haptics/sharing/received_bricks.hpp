@@ -18,9 +18,10 @@ class ReceivedBricks final : public PointStore {
  public:
   explicit ReceivedBricks(const BrickGrid& grid) : grid_(grid) {}
 
-  void receive(BrickKey key, std::shared_ptr<const Brick> points) {
-    const std::uint64_t checksum = checksumOf(*points);
-    blocks_[key] = {.points = std::move(points), .version = ++version_, .checksum = checksum};
+  /// `block`: with the checksum of its sender.
+  void receive(BrickKey key, PointBlock block) {
+    block.version = ++version_;
+    blocks_[key] = std::move(block);
     news_.insert(key);
   }
   void drop(BrickKey key) {
@@ -41,12 +42,19 @@ class ReceivedBricks final : public PointStore {
     keys.insert(keys.end(), news_.begin(), news_.end());
     news_.clear();
   }
+  void refuse(BrickKey key) override {
+    blocks_.erase(key);
+    isRefused_ = true;
+  }
+  /// Blocks were refused since the last call: they have to be requested again.
+  bool takeRefused() { return std::exchange(isRefused_, false); }
 
  private:
   BrickGrid grid_;
   std::map<BrickKey, PointBlock> blocks_;
   std::set<BrickKey> news_;
   std::uint64_t version_ = 0;
+  bool isRefused_ = false;
 };
 
 }  // namespace palpate

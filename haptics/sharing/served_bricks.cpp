@@ -86,28 +86,24 @@ std::size_t ServedBricks::sizeOf(BrickKey key) const {
 
 std::optional<PointBlock> ServedBricks::get(BrickKey key) const {
   if (!knows(key)) return std::nullopt;
-  const std::shared_ptr<const Brick> points = brick(key);
-  return PointBlock{.points = points, .version = versionOf(key), .checksum = checksumOf(*points)};
-}
-
-void ServedBricks::takeNews(std::vector<BrickKey>& keys) {
-  keys.insert(keys.end(), news_.begin(), news_.end());
-  news_.clear();
-}
-
-std::shared_ptr<const Brick> ServedBricks::brick(BrickKey key) const {
   const auto there = bricks_.find(key);
-  if (there == bricks_.end()) return std::make_shared<Brick>();
-  if (there->second.moving) return there->second.moving;
-  auto brick = std::make_shared<Brick>();
-  for (const std::uint32_t id : there->second.ids) {
+  if (there != bricks_.end() && there->second.moving)
+    return PointBlock{
+        .points = there->second.moving, .version = there->second.version, .checksum = there->second.checksum};
+  const auto brick = std::make_shared<Brick>();
+  for (const std::uint32_t id : there == bricks_.end() ? std::span<const std::uint32_t>() : there->second.ids) {
     const PointState& point = points_[id];
     brick->ids.push_back(id);
     brick->positions.push_back(point.position);
     brick->normals.push_back(point.normal);
     brick->colors.push_back(point.color);
   }
-  return brick;
+  return blockOf(brick, versionOf(key));
+}
+
+void ServedBricks::takeNews(std::vector<BrickKey>& keys) {
+  keys.insert(keys.end(), news_.begin(), news_.end());
+  news_.clear();
 }
 
 }  // namespace palpate::sharing

@@ -25,6 +25,7 @@ class ServedBricks final : public PointStore {
   void want(std::span<const BrickKey> keys) override { wanted_.insert(keys.begin(), keys.end()); }
   std::optional<PointBlock> get(BrickKey key) const override;
   void takeNews(std::vector<BrickKey>& keys) override;
+  void refuse(BrickKey) override {}
 
   /// For static points, by id; `points` must outlive it.
   void build(std::span<const PointState> points);
@@ -42,8 +43,6 @@ class ServedBricks final : public PointStore {
   /// Version of a brick; empty ones have one, too.
   std::uint32_t versionOf(BrickKey key) const;
   std::size_t sizeOf(BrickKey key) const;
-  /// Its current points.
-  std::shared_ptr<const Brick> brick(BrickKey key) const;
 
  private:
   struct Kept {

@@ -46,6 +46,17 @@ void ServerLink::run(const std::stop_token& stop, double poll_s, const WakeUp* w
   points_.close();
 }
 
+void ServerLink::requestWrite() {
+  const std::scoped_lock hold(lock_);
+  probe_.requestWrite();
+}
+
+std::optional<ServerSave> ServerLink::answer() const {
+  const std::scoped_lock hold(lock_);
+  if (probe_.answer() || fault_.empty()) return probe_.answer();
+  return ServerSave{.words = fault_};
+}
+
 void ServerLink::heard() {
   longestSilent_s_ = longestSilent_s();
   oldest_s_ = oldest_s();

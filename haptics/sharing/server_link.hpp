@@ -7,6 +7,7 @@
 #include <set>
 #include <stop_token>
 
+#include "haptics/server_file.hpp"
 #include "haptics/sharing/link_messages.hpp"
 #include "haptics/sharing/link_probe.hpp"
 #include "haptics/sharing/session_notices.hpp"
@@ -15,8 +16,8 @@
 
 namespace palpate::sharing {
 
-/// All functions but the first four are for the holder of lock().
-class ServerLink {
+/// All functions but the first six are for the holder of lock().
+class ServerLink final : public ServerFile {
  public:
   /// The session must outlive it. `failed` is called once, when the link has failed for good.
   ServerLink(const JoinedSession& session, Log* log, std::function<void()> failed = {});
@@ -25,6 +26,8 @@ class ServerLink {
   const InformationAge& known() const { return known_; }
   /// Log messages since the last call, the first few of them. Thread-safe.
   std::vector<std::string> takeSaid() { return messages_.take(); }
+  void requestWrite() override;
+  std::optional<ServerSave> answer() const override;
   /// Calls `turn` under the lock, until it is stopped or has failed; wakes when something was received, or `wakeUp` is
   /// called, or after `poll_s`. For the link's own thread.
   void run(const std::stop_token& stop, double poll_s, const WakeUp* wakeUp, const std::function<void()>& turn);

@@ -40,6 +40,10 @@ struct ServedCounts {
 /// False if nothing has changed since the last call. Called on a thread of its own.
 using ServedMotion = std::function<bool(double time_s, std::span<SeenHand> hands, CloudFrame& frame)>;
 
+/// Writes points to the server's file, under a temporary name first. Returns the name of the file for clients. Called
+/// on a thread of its own, never twice at once. Throws Error.
+using SaveFunction = std::function<std::string(const PointCloud& points)>;
+
 /// Serves a cloud as loaded, and all edits since, in one order for all clients. Reads the cloud from one thread, and
 /// never writes to it.
 class CloudServer {
@@ -59,6 +63,8 @@ class CloudServer {
     double motion_Hz = 60;  ///< maximum of frames a second
     /// Restarts of the motion, of which clients are notified; thread-safe. Empty: it never restarts.
     std::function<Restarts()> restarts = {};
+    /// Writes the present points when clients ask for it; empty: they are refused.
+    SaveFunction save = {};
     StopSign stop = {};  ///< interrupts the constructor, which listens for a second for another session of the name
   };
   /// `cloud` must have normals and outlive this. Throws UsageError for an invalid name, NetworkError if a session of
@@ -74,6 +80,8 @@ class CloudServer {
   ServedCounts counts() const;
   /// Current points, by id; those of the cloud if it was not sculpted. Only between calls of serve().
   std::span<const PointState> points() const;
+  /// Writes the present points by Parts::save, and throws what that throws. Only between calls of serve().
+  void save();
 
  private:
   struct Link;

@@ -77,6 +77,7 @@ class SharedEdits final : public SharedFollower {
   }
 
   std::vector<std::string> takeSaid() override { return link_.takeSaid(); }
+  ServerFile* file() override { return &link_; }
 
  private:
   void turn() {

@@ -24,24 +24,31 @@ SharedPoints::SharedPoints(std::vector<PointState> points)
       mostOrder_(std::max(kMinOrder, 2 * points_.size())),
       digest_(points_) {}
 
-SharedPoints::Taken SharedPoints::take(const Id& client, std::uint64_t number, std::span<const PointState> states) {
+SharedPoints::Taken SharedPoints::take(const Id& client, std::uint64_t number, std::span<const PointState> states,
+                                       std::span<const std::uint64_t> replaced) {
   const auto found = clients_.find(client);
   const std::uint64_t last = found == clients_.end() ? 0 : found->second.last;
   if (number <= last) return Taken::known;
   if (number != last + 1) return Taken::early;
-  if (states.empty() || !std::ranges::all_of(states, [&](const PointState& s) { return isWhole(s, points_.size()); }))
+  if (states.empty() || (!replaced.empty() && replaced.size() != states.size())) return Taken::refused;
+  if (!std::ranges::all_of(states, [&](const PointState& s) { return isWhole(s, points_.size()); }))
     return Taken::refused;
   if (found == clients_.end() && clients_.size() >= kMaxPointClients) return Taken::refused;
   Client& own = clients_[client];
   if (own.number == 0) own.number = static_cast<std::uint32_t>(clients_.size());
   own.last = number;
-  for (const PointState& state : states) {
-    const std::uint32_t point = state.number;
-    digest_.replace(points_[point], state);
-    points_[point] = state;
-    points_[point].parent = point;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const std::uint32_t point = states[i].number;
+    PointState& present = points_[point];
+    const std::uint64_t was = PointDigest::of(present);
+    const bool stands = replaced.empty() || was == replaced[i];
+    if (stands) {
+      digest_.replace(present, states[i]);
+      present = states[i];
+      present.parent = point;
+    }
     order_.push_back(point);
-    last_[point] = {.number = head(), .client = own.number};
+    last_[point] = {.number = head(), .client = PointDigest::of(present) == was ? 0 : own.number};
   }
   while (order_.size() > mostOrder_) {
     order_.pop_front();

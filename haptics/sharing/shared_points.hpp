@@ -28,8 +28,11 @@ class SharedPoints {
     early,   ///< an earlier piece is missing: it has to be sent again
     refused  ///< no palpate client makes it
   };
-  /// The `number`-th piece of `client`, from 1; it is taken as a whole or not at all.
-  Taken take(const Id& client, std::uint64_t number, std::span<const PointState> states);
+  /// The `number`-th piece of `client`, from 1; it is taken as a whole or not at all. `replaced`: PointDigest::of() the
+  /// state that each of them replaces, or empty. A point that has another state then keeps it, and everyone gets that
+  /// once more, the client included.
+  Taken take(const Id& client, std::uint64_t number, std::span<const PointState> states,
+             std::span<const std::uint64_t> replaced = {});
   /// The last piece of a client that was taken; 0 before the first.
   std::uint64_t lastOf(const Id& client) const;
 
@@ -58,7 +61,7 @@ class SharedPoints {
   };
   struct Last {
     std::uint64_t number = 0;  // in the common order; 0: as served
-    std::uint32_t client = 0;
+    std::uint32_t client = 0;  // from 1; 0: none, as where nothing has changed
   };
   void scan(Place& place, std::uint32_t receiver, std::size_t end, std::vector<PointState>& states) const;
 

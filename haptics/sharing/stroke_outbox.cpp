@@ -10,19 +10,27 @@ constexpr std::size_t kMaxUnackedPieces = 4096;  // meanwhile edits are merged, 
 
 }  // namespace
 
-void StrokeOutbox::add(const PointState& state) {
-  if (queued_.insert_or_assign(state.number, state).second) queue_.push_back(state.number);
+void StrokeOutbox::add(const MadeState& made) {
+  const auto [queued, isFirst] = queued_.try_emplace(made.state.number, made);
+  if (isFirst)
+    queue_.push_back(made.state.number);
+  else
+    queued->second.followedBy(made);
 }
 
 const StrokePiece* StrokeOutbox::nextPiece(std::size_t most) {
   if (toSend_ < unacked_.size()) return &unacked_[toSend_++];
   if (queue_.empty() || unacked_.size() >= kMaxUnackedPieces) return nullptr;
   StrokePiece piece{.number = ++lastPiece_, .states = {}};
+  const bool replaces = queued_.at(queue_.front()).replaced.has_value();
+  if (replaces) most -= most / 9;
   while (!queue_.empty() && piece.states.size() < most) {
     const std::uint32_t point = queue_.front();
-    queue_.pop_front();
     const auto state = queued_.find(point);
-    piece.states.push_back(state->second);
+    if (state->second.replaced.has_value() != replaces) break;
+    queue_.pop_front();
+    piece.states.push_back(state->second.state);
+    if (replaces) piece.replaced.push_back(*state->second.replaced);
     pending_[point] = piece.number;
     queued_.erase(state);
   }

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/core/point_state.hpp"
+#include "haptics/sharing/point_digest.hpp"
 
 namespace palpate::sharing {
 
@@ -15,15 +15,16 @@ namespace palpate::sharing {
 struct StrokePiece {
   std::uint64_t number = 0;  ///< from 1, without gaps
   std::vector<PointState> states;
+  std::vector<std::uint64_t> replaced = {};  ///< MadeState::replaced of each of them; empty: they replace any
 };
 
 /// Numbered pieces, each kept until it is known to be taken. Edits made meanwhile are merged: each point is sent once,
 /// with its last state.
 class StrokeOutbox {
  public:
-  void add(const PointState& state);
-  /// The next piece to send, of at most `most` states; null if there is none, or too many are in flight. It is kept
-  /// until it is taken.
+  void add(const MadeState& made);
+  /// The next piece to send, of at most `most` states, and a ninth less with those that they replace; null if there is
+  /// none, or too many are in flight. It is kept until it is taken.
   const StrokePiece* nextPiece(std::size_t most);
   /// The last result of nextPiece() could not be sent: it is returned again.
   void notSent() { --toSend_; }
@@ -41,7 +42,7 @@ class StrokeOutbox {
 
  private:
   std::deque<std::uint32_t> queue_;  // points, in the order of sending
-  std::unordered_map<std::uint32_t, PointState> queued_;
+  std::unordered_map<std::uint32_t, MadeState> queued_;
   std::deque<StrokePiece> unacked_;
   std::unordered_map<std::uint32_t, std::uint64_t> pending_;  // by point: the last piece that has it
   std::uint64_t lastPiece_ = 0;

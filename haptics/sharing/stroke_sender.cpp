@@ -21,6 +21,8 @@ bool StrokeSender::write(const StrokePiece& piece, const Id& server) {
   states_.clear();
   for (const PointState& point : piece.states) states_.push_back(stateOf(point));
   give(stroke.states, states_);
+  replaced_ = piece.replaced;
+  give(stroke.replaced, replaced_);
   return strokes_.write(stroke);
 }
 

@@ -20,7 +20,9 @@ class StrokeSender {
 
   const JoinedSession& session_;
   Writer<Stroke> strokes_;
-  std::vector<State> states_;  // of the piece that is written
+  // Of the piece that is written.
+  std::vector<State> states_;
+  std::vector<std::uint64_t> replaced_;
 };
 
 }  // namespace palpate::sharing

@@ -25,12 +25,15 @@ void StrokeServer::take(const Stroke& stroke) {
   states_.clear();
   for (const State& state : given) states_.push_back(pointOf(state));
   const Id client = idOf(stroke.client);
-  const SharedPoints::Taken taken = parts_.points.take(client, stroke.number, states_);
+  const SharedPoints::Taken taken = parts_.points.take(
+      client, stroke.number, states_, std::span<const std::uint64_t>(stroke.replaced._buffer, stroke.replaced._length));
   counts_.sculptors = parts_.points.clients();
   switch (taken) {
     case SharedPoints::Taken::taken:
       ++counts_.pieces;
       counts_.states += states_.size();
+      // As the points are now, since some of them may have kept another state.
+      for (PointState& state : states_) state = parts_.points.points()[state.number];
       if (parts_.journal) parts_.journal->add({.client = client, .number = stroke.number, .states = states_});
       break;
     case SharedPoints::Taken::known:

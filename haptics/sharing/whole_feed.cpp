@@ -66,6 +66,8 @@ void WholeFeed::addBlock(StreamSample& sample) {
     }
     point.color = packedColor(parts_.cloud, at);
   }
+  const auto count = static_cast<std::uint32_t>(sample.points.size());
+  sample.parts.push_back({.key = block_, .total = count, .count = count, .checksum = checksumOf(sample.points)});
   ++block_;
   sample.head.last = sample.head.whole = block_ == blocks_ && !edits_;
 }

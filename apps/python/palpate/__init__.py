@@ -26,7 +26,7 @@ from ._palpate import Cloud, Contact, ContactEvent, Frame, LawInput, Mesh, can_s
 from ._palpate import formats_read, formats_written, gpus, read, write
 from ._placed import Pose
 from ._session import Session
-from ._sharing import Network, OtherCamera, OtherHand, SessionInfo, Server, Sharing, serve, discover
+from ._sharing import Network, OtherCamera, OtherHand, SessionInfo, Server, ServerSave, Sharing, serve, discover
 
 __all__ = [
     "ArgumentTypeError",
@@ -51,6 +51,7 @@ __all__ = [
     "Replay",
     "SessionInfo",
     "Server",
+    "ServerSave",
     "Session",
     "Sharing",
     "UnknownAttributeError",

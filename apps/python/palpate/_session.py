@@ -11,7 +11,7 @@ from ._live import Hand, Live, rest_of_hands
 from ._matter import Parameter, PortEnergy, _by_name
 from ._placed import Pose, placed_clouds
 from ._png import png_of
-from ._sharing import Network, OtherCamera, OtherHand, Sharing
+from ._sharing import Network, OtherCamera, OtherHand, ServerSave, Sharing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -351,6 +351,13 @@ class Session(_palpate._Session):
         """State of the exchange with the other programs; None unless the session was joined."""
         told = if_any(self._sharing)
         return None if told is None else Sharing(**told)
+
+    def save_at_server(self, seconds: float = 30) -> ServerSave:
+        """For a joined session: asks the server to write all its points to its file (serve(save=), `palpate serve
+        --save`), once it has taken the edits made here, and waits at most `seconds` for its answer. A server writes
+        once in five seconds at most.
+        """
+        return ServerSave(*self._save_at_server(seconds))
 
     @property
     def other_hands(self) -> list[OtherHand]:

@@ -109,6 +109,20 @@ class OtherCamera(NamedTuple):
     age_s: float
 
 
+class ServerSave(NamedTuple):
+    """Answer of a server that was asked to save its points.
+
+    Attributes:
+        written: whether it has written its file.
+        points: number of points in the file.
+        text: the file, as its server names it; or why it was not written.
+    """
+
+    written: bool
+    points: int
+    text: str
+
+
 @dataclass(frozen=True)
 class Sharing:
     """State of the exchange with the other programs of a joined session.
@@ -172,6 +186,7 @@ class Server(_palpate._Server):
         mm_per_unit: float | None = None,
         estimate_normals: bool = False,
         journal: str | os.PathLike[str] | None = None,
+        save: str | os.PathLike[str] | None = None,
         threads: int = 0,
     ) -> None:
         super().__init__(
@@ -183,6 +198,7 @@ class Server(_palpate._Server):
             mm_per_unit=mm_per_unit,
             estimate_normals=estimate_normals,
             journal=None if journal is None else os.fspath(journal),
+            save=None if save is None else os.fspath(save),
             threads=threads,
         )
         self._name = name
@@ -274,6 +290,7 @@ def serve(
     mm_per_unit: float | None = None,
     estimate_normals: bool = False,
     journal: str | os.PathLike[str] | None = None,
+    save: str | os.PathLike[str] | None = None,
     threads: int = 0,
 ) -> Server:
     """Serves a cloud to other programs, here or on other machines, which join it by its name: Session.join(name),
@@ -289,6 +306,8 @@ def serve(
         estimate_normals: even if the cloud has normals.
         journal: a file to which each stroke is written when it is taken. A server that is started with it again
             continues where the file ends, and so do the programs that have joined.
+        save: a file to which all points are written when a joined program asks for it (Session.save_at_server(), or
+            saving in the window), once in five seconds at most; a file that exists is kept as NAME.bak.
         threads: threads of the CPU for normals; 0: one per core.
 
     Raises Error, with the status "network" if the name is taken, and UsageError.
@@ -302,6 +321,7 @@ def serve(
         mm_per_unit=mm_per_unit,
         estimate_normals=estimate_normals,
         journal=journal,
+        save=save,
         threads=threads,
     )
 

@@ -323,6 +323,12 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   void publishCamera(const pp_camera_place& camera) { check(pp_session_publish_camera(handle(), &camera)); }
   /// Stops showing it.
   void hideCamera() { check(pp_session_publish_camera(handle(), nullptr)); }
+  /// Asks the server to write its file (pp_session_save_at_server()).
+  pp_server_save saveAtServer(double seconds = 30) {
+    pp_server_save save = pp_default_server_save();
+    check(pp_session_save_at_server(handle(), seconds, &save));
+    return save;
+  }
   /// Waits at most `seconds` until this session has the server's points (pp_session_settle()). True if it has.
   bool settle(double seconds = 10) {
     std::uint32_t same = 0;

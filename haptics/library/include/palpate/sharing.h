@@ -154,6 +154,19 @@ PP_API pp_status pp_session_publish_camera(pp_session session, const pp_camera_p
  * server's, 0 also if the server does not answer; may be null. PP_ERROR_STATE while the session is live. */
 PP_API pp_status pp_session_settle(pp_session session, double seconds, uint32_t* same);
 
+/** Answer of a server to pp_session_save_at_server(). */
+typedef struct pp_server_save {
+  uint32_t size;    /**< bytes of this struct */
+  uint32_t written; /**< 1: the server has written its file; 0: it has not, for the reason in `text` */
+  uint64_t points;  /**< number of points in the file */
+  char text[256];   /**< the file, as its server names it, or the reason */
+} pp_server_save;
+PP_OPTIONS(server_save)
+/** Asks the server of a joined session to write all its points to its file (pp_serve_options.save, `palpate serve
+ * --save`), once it has taken the edits made here, and waits at most `seconds` for its answer. A server writes once in
+ * five seconds at most. PP_OK whatever the answer is. */
+PP_API pp_status pp_session_save_at_server(pp_session session, double seconds, pp_server_save* save);
+
 /** Handle of a served cloud. Any number of threads may use it. */
 typedef struct pp_server {
   uint64_t id; /**< 0 is null */
@@ -174,6 +187,9 @@ typedef struct pp_serve_options {
   pp_log_function log; /**< receives messages, such as of programs that join, until the server is closed; null: none */
   void* log_user;      /**< passed to `log` */
   pp_watch watch;      /**< watches pp_serve() */
+  /** A file to which the server writes its points when a joined program asks for it (pp_session_save_at_server(), or
+   * saving in the window); a file that exists is kept as NAME.bak; null: such requests are refused. */
+  const char* save;
 } pp_serve_options;
 PP_OPTIONS(serve_options)
 /** Serves the cloud on a thread of its own until the server is closed, under a name of 1 to 200 bytes that no other
