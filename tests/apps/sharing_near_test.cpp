@@ -108,17 +108,21 @@ TEST_CASE("a client with only nearby points sculpts like the file, byte for byte
     const std::string saved = brush + ".ply", later = "later" + saved;
     works("touch " + in("m.ply") + how + brush + " --trace " + in("own.csv") + " --save " + in(saved.c_str()) +
           " --json " + in("o.json"));
-    Serving serving(in("m.ply") + " --name carved --json " + in("s.json"), folder / "said");
+    const std::string served = in("served.ply");
+    Serving serving(in("m.ply") + " --name carved --save " + served + " --json " + in("s.json"), folder / "said");
     const std::string part = "part" + saved;
     const Outcome undone =
         palpate("touch --join carved --partial" + domain() + how + brush + " --undo 9 --save " + in(part.c_str()));
     CHECK(undone.code == 0);
     const std::size_t known = readCloud(in(part.c_str())).cloud.size();
     CHECK(says(undone.text, fmt::format("{}: {} of 20000 points", in(part.c_str()), known)));
+    CHECK(says(undone.text, "carved: the server has saved all 20000 points in " + served));
+    CHECK(pointsOf(served) == pointsOf(in("m.ply")));
     works("touch --join carved" + domain() + " --backend cpu --duration 0.01 --save " + in("undone.ply"));
     CHECK(pointsOf(in("undone.ply")) == pointsOf(in("m.ply")));
-    works("touch --join carved --partial" + domain() + how + brush + " --trace " + in("near.csv") + " --json " +
-          in("n.json"));
+    works("touch --join carved --partial" + domain() + how + brush + " --trace " + in("near.csv") + " --save " +
+          in(part.c_str()) + " --json " + in("n.json"));
+    CHECK(pointsOf(served) == pointsOf(in(saved.c_str())));
     CHECK(contentOf(in("near.csv")) == contentOf(in("own.csv")));
     const Result report = jsonOf(in("n.json"));
     const Result& near = report["partial"];
@@ -126,6 +130,9 @@ TEST_CASE("a client with only nearby points sculpts like the file, byte for byte
     CHECK(near["sent"] > 100);
     CHECK(near["delivered"] == true);
     CHECK(near["ticks_without_points"] == 0);
+    CHECK(report["server_save"]["written"] == true);
+    CHECK(report["server_save"]["points"] == readCloud(served).cloud.size());
+    CHECK(report["server_save"]["words"] == served);
     works("touch --join carved" + domain() + " --backend cpu --duration 0.01 --save " + in(later.c_str()));
     CHECK(pointsOf(in(later.c_str())) == pointsOf(in(saved.c_str())));
     CHECK(serving.program.wait(SIGINT) == 0);

@@ -29,12 +29,13 @@ struct Serving {
   BallCloud cloud;
   pp_server server{};
 
-  explicit Serving(const char* name, bool readOnly = false, const char* journal = nullptr) {
+  explicit Serving(const char* name, bool readOnly = false, const char* journal = nullptr, const char* save = nullptr) {
     pp_serve_options options = pp_default_serve_options();
     options.network = &network;
     options.mm_per_unit = 1;
     options.read_only = readOnly ? 1 : 0;
     options.journal = journal;
+    options.save = save;
     options.model = "a test's ball";
     PP_REQUIRE_OK(pp_serve(cloud.cloud, name, &options, &server));
   }

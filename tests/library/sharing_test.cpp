@@ -8,6 +8,7 @@
 #include "tests/labels.hpp"
 #include "tests/library/serving.hpp"
 #include "tests/near.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace palpate::sharing_test {
 
@@ -269,6 +270,43 @@ TEST_CASE("a session served read-only, or joined read-only, accepts no brush") {
   CHECK(lastErrorSays("the strokes of others"));
   PP_CHECK_OK(pp_session_close(alone));
   PP_CHECK_OK(pp_session_close(careful));
+}
+
+TEST_CASE("a joined program, also a live one, has the server write its file, if it has one") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const std::string file = (folder / "ball.ply").string();
+  const Serving without("without");
+  const Serving serving("with", false, nullptr, file.c_str());
+  pp_server_save save = pp_default_server_save();
+  const pp_session refused = joined("without", "anna");
+  PP_CHECK_OK(pp_session_save_at_server(refused, 20, &save));
+  CHECK(save.written == 0);
+  CHECK(save.points == 0);
+  CHECK(std::string(save.text) == "it was started without --save");
+  const pp_session session = joined("with", "ben");
+  stroke(session, pathOf(pressPath(3)), pp_default_brush());
+  PP_CHECK_OK(pp_session_save_at_server(session, 20, &save));
+  CHECK(save.written == 1);
+  CHECK(std::string(save.text) == file);
+  const auto saved = [&] {
+    pp_cloud cloud{};
+    PP_REQUIRE_OK(pp_cloud_read(file.c_str(), nullptr, &cloud));
+    return Serving::bytesOf(cloud);
+  };
+  CHECK(save.points == saved().size() / 6);
+  CHECK(isSame(saved(), serving.points()));
+  pp_live_options options = pp_default_live_options();
+  options.builtin = "press";
+  PP_REQUIRE_OK(pp_live_start(session, &options));
+  CHECK(pp_session_save_at_server(session, -1, &save) == PP_ERROR_ARGUMENT);
+  PP_CHECK_OK(pp_session_save_at_server(session, 20, &save));
+  CHECK(save.written == 1);
+  PP_CHECK_OK(pp_session_save_at_server(session, 0, &save));
+  CHECK(save.written == 0);
+  CHECK(std::string(save.text).find("within 0 s") != std::string::npos);
+  PP_CHECK_OK(pp_session_close(session));
+  CHECK(pp_session_save_at_server(session, 1, &save) == PP_ERROR_HANDLE);
 }
 
 TEST_CASE("a client with only the points around the hand feels what one with all points feels") {

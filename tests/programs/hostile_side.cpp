@@ -306,7 +306,7 @@ class HostileSide {
     if (!heard_) return;
     if (!bricksTo_)
       bricksTo_.emplace(participant_, topics_.points, reliableQos(false, partitionOf(idOf(heard_->client))));
-    BrickPart part{.key = any64(), .total = roll() % 3, .count = roll() % 3};
+    BrickPart part{.key = any64(), .total = roll() % 3, .count = roll() % 3, .checksum = any64()};
     Points bricks{};
     set(bricks.session, idOf(session_));
     bricks.epoch = heard_->epoch;

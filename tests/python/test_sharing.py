@@ -220,6 +220,19 @@ def test_a_journal_goes_on_in_another_server(ball, tmp_path):
 
 
 @needs_dds
+def test_a_server_saves_when_a_joined_hand_asks(ball, tmp_path):
+    file = tmp_path / "saved.ply"
+    name = f"saves {os.getpid()}"
+    with pp.serve(ball, name, NETWORK, mm_per_unit=1, save=file) as server, joined(server, partial=True) as near:
+        near.push(press_path(2), radius_mm=5)
+        save = near.save_at_server()
+        assert save == pp.ServerSave(True, server.points, str(file))
+        assert checksum(pp.read(file)) == checksum(server.cloud())
+    with pp.serve(ball, name, NETWORK) as server, joined(server) as whole:
+        assert whole.save_at_server() == (False, 0, "it was started without --save")
+
+
+@needs_dds
 def test_a_server_whose_journal_cannot_be_written_any_more_ends_and_says_why(tmp_path):
     name = f"full {os.getpid()}"
     program = another_python("""

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/touch/cpu_touch.hpp"
@@ -35,12 +36,14 @@ class BricksOf {
     const auto there = all_.find(key);
     return there == all_.end() ? std::make_shared<Brick>() : there->second;
   }
+  /// As a server sends it.
+  PointBlock block(BrickKey key) const { return blockOf(at(key)); }
   /// Those within a box that `has` accepts.
   BrickUpdate around(const DVec3& low, const DVec3& high, const std::function<bool(const IVec3&)>& has = {}) const {
     BrickUpdate update;
     grid_.boxOf(low, high).forEach([&](const IVec3& brick) {
       const BrickKey key = BrickGrid::keyOf(brick);
-      if (!has || has(brick)) update.bricks.emplace_back(key, at(key));
+      if (!has || has(brick)) update.bricks.emplace_back(key, block(key));
     });
     return update;
   }
@@ -62,7 +65,6 @@ struct BrickHand {
     double edge_radii = 3, widening = 1, timeout_s = 30;
     std::optional<BrushOptions> brush = {};
     std::string fixed = {};
-    const InformationAge* known = nullptr;
   };
   /// `store`: has the bricks, in place of the test; null: the test gives them.
   BrickHand(const Scene& scene, const How& how, PointStore* store = nullptr)
@@ -86,13 +88,21 @@ struct BrickHand {
                           .origin = scene.cloud.origin,
                           .timeout_s = how.timeout_s,
                           .brush = how.brush,
-                          .fixed = how.fixed,
-                          .known = how.known});
+                          .fixed = how.fixed});
   }
   BrickSource source;
   BricksOf bricks;
   std::unique_ptr<BrickTouch> touch;
 };
+
+/// States of the points that were edited since the last call.
+inline std::vector<PointState> madeStates(BrickSource& source) {
+  std::vector<sharing::MadeState> made;
+  source.takeMade(made);
+  std::vector<PointState> states;
+  for (const sharing::MadeState& each : made) states.push_back(each.state);
+  return states;
+}
 
 inline bool isSameContact(const Contact& a, const Contact& b) {
   return a.proxy == b.proxy && a.normal == b.normal && a.touching == b.touching && a.valid == b.valid &&

@@ -42,7 +42,11 @@ struct World {
   BrickGrid grid{1};
   BrickOverlay overlay{grid};
   std::vector<BrickKey> keys;
-  std::set<BrickKey> known;
+  std::shared_ptr<const Brick> shown(BrickKey key) const {
+    const auto there = stored.find(key);
+    return overlay.shown(key, there == stored.end() ? nullptr : there->second);
+  }
+  BrickOverlay::Bricks stored;
   Points theirs;  // the server's points; all known bricks are up to date after each step
   std::vector<std::optional<PointState>> came, own;
   std::vector<bool> isNew;
@@ -64,16 +68,16 @@ void step(World& world) {
   }
   const BricksOf before(world.theirs, world.grid), bricks(next, world.grid);
   for (const BrickKey key : world.keys) {
-    const bool isKnown = world.known.contains(key);
+    const bool isKnown = world.stored.contains(key);
     if (isKnown && world.random() % 10 == 0) {
-      world.overlay.drop(key);
-      world.known.erase(key);
+      world.overlay.come(key, nullptr);
+      world.stored.erase(key);
       continue;
     }
     const auto brick = bricks.at(key);
     if (isKnown ? *brick == *before.at(key) : world.random() % 4 != 0) continue;
-    world.overlay.come(key, brick);
-    world.known.insert(key);
+    world.overlay.come(key, brick.get());
+    world.stored[key] = brick;
   }
   world.theirs = next;
   world.overlay.settle(settled);
@@ -86,13 +90,16 @@ void makeSome(World& world) {
   for (std::uint32_t id = 0; id < kPoints; ++id) {
     const PointState from = world.shownOf(id);
     // A hand can only edit points of known bricks.
-    if (from.gone || !world.known.contains(world.grid.keyAt(DVec3(from.position))) || world.random() % 6 != 0) continue;
+    if (from.gone || !world.stored.contains(world.grid.keyAt(DVec3(from.position))) || world.random() % 6 != 0)
+      continue;
     const PointState to = randomPoint(world.random, id);
     changes.push_back({.from = from, .to = to});
     world.own[id] = to;
     world.isNew[id] = true;
   }
-  world.overlay.make(changes);
+  BrickOverlay::Bricks shown;
+  for (const auto& [key, brick] : world.stored) shown[key] = world.shown(key);
+  world.overlay.make(changes, shown, BrickOverlay::Replaces::any);
 }
 
 }  // namespace
@@ -107,10 +114,11 @@ TEST_CASE("local edits are shown over received bricks until the server has them,
       step(world);
       if (turn % 2 == 0) makeSome(world);
       if (world.random() % 3 == 0) {
-        Points made;
+        std::vector<sharing::MadeState> made;
         world.overlay.takeMade(made);
         std::size_t fresh = 0;
-        for (const PointState& state : made) {
+        for (const auto& [state, replaced] : made) {
+          CHECK_FALSE(replaced);
           REQUIRE(world.isNew[state.number]);
           CHECK(*world.own[state.number] == state);
         }
@@ -123,8 +131,8 @@ TEST_CASE("local edits are shown over received bricks until the server has them,
       const BricksOf expected(all, world.grid);
       const std::set<BrickKey> touched = world.overlay.takeTouched();
       for (const BrickKey key : world.keys) {
-        const auto brick = world.overlay.shown(key);
-        REQUIRE((brick != nullptr) == world.known.contains(key));
+        const auto brick = world.shown(key);
+        REQUIRE((brick != nullptr) == world.stored.contains(key));
         const Brick now = brick ? *brick : Brick();
         if (brick) CHECK(now == *expected.at(key));
         if (!touched.contains(key)) CHECK(now == seen[key]);
@@ -152,7 +160,7 @@ TEST_CASE("a source shows local edits in its next frame, reports their version a
   const BrickKey first = BrickGrid::keyOf(IVec3(0)), second = BrickGrid::keyOf(IVec3(1, 0, 0));
   const auto both = [&](const Points& of) {
     const BricksOf bricks(of, source.grid());
-    return BrickUpdate{.bricks = {{first, bricks.at(first)}, {second, bricks.at(second)}}};
+    return BrickUpdate{.bricks = {{first, bricks.block(first)}, {second, bricks.block(second)}}};
   };
   const BrickUpdate update = both(points);
   source.apply(update);
@@ -184,9 +192,7 @@ TEST_CASE("a source shows local edits in its next frame, reports their version a
   // A brick received without the edits changes nothing; once the edits are settled, bricks are shown as received.
   source.apply(update);
   CHECK(source.known().points == 9);
-  Points made;
-  source.takeMade(made);
-  CHECK(made == Points{moved, gone});
+  CHECK(madeStates(source) == Points{moved, gone});
   Points theirs = points;
   theirs[3] = moved;
   theirs[3].position.y = 0.25f;  // another client has changed it since
@@ -209,22 +215,28 @@ TEST_CASE("a point received in another brick while it is edited exists once") {
     return PointState{.position = Vec3(x, 0.5f, 0.5f), .number = 4, .normal = Vec3(0, 0, 1), .color = 1, .parent = 4};
   };
   BrickOverlay overlay(grid);
-  overlay.come(first, BricksOf(Points{at(0.5f)}, grid).at(first));
-  for (const BrickKey key : {second, third}) overlay.come(key, std::make_shared<Brick>());
+  BrickOverlay::Bricks stored;
+  const auto come = [&](BrickKey key, std::shared_ptr<const Brick> brick) {
+    overlay.come(key, brick.get());
+    stored[key] = std::move(brick);
+  };
+  const auto shown = [&](BrickKey key) { return overlay.shown(key, stored.at(key))->size(); };
+  come(first, BricksOf(Points{at(0.5f)}, grid).at(first));
+  for (const BrickKey key : {second, third}) come(key, std::make_shared<Brick>());
   // Another client moves the point after a hand has read it.
-  overlay.come(first, std::make_shared<Brick>());
-  overlay.come(second, BricksOf(Points{at(1.5f)}, grid).at(second));
+  come(first, std::make_shared<Brick>());
+  come(second, BricksOf(Points{at(1.5f)}, grid).at(second));
   overlay.takeTouched();
-  overlay.make(std::vector<PointChange>{{.from = at(0.5f), .to = at(2.5f)}});
+  overlay.make(std::vector<PointChange>{{.from = at(0.5f), .to = at(2.5f)}}, stored, BrickOverlay::Replaces::any);
   CHECK(overlay.takeTouched() == std::set<BrickKey>{second, third});
-  CHECK(overlay.shown(first)->size() == 0);
-  CHECK(overlay.shown(second)->size() == 0);
-  CHECK(overlay.shown(third)->size() == 1);
-  std::vector<PointState> made;
+  CHECK(shown(first) == 0);
+  CHECK(shown(second) == 0);
+  CHECK(shown(third) == 1);
+  std::vector<sharing::MadeState> made;
   overlay.takeMade(made);
   overlay.settle(std::vector<std::uint32_t>{4});
   CHECK(overlay.takeTouched().contains(second));
-  CHECK(overlay.shown(second)->size() == 1);
+  CHECK(shown(second) == 1);
 }
 
 }  // namespace palpate::brick_overlay_test

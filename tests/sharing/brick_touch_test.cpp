@@ -131,7 +131,7 @@ TEST_CASE("bricks that were waited for are in the frame of their time even if dr
   brick->normals = {Vec3(0, 0, 1)};
   const BrickKey key = BrickGrid::keyOf(IVec3(0));
   BrickUpdate comes, goes;
-  comes.bricks.emplace_back(key, brick);
+  comes.bricks.emplace_back(key, blockOf(brick));
   goes.dropped = {key};
   HandReaches hands{.time_s = 0.25, .count = 1};
   hands.hands[0] = {.low = DVec3(0.4), .high = DVec3(0.6)};
@@ -158,7 +158,7 @@ TEST_CASE("a brick with changed points changes the contact only where the hand r
     brick->positions = {Vec3(static_cast<float>(x) + 0.5f, 0.5f, height)};
     brick->normals = {Vec3(0, 0, 1)};
     BrickUpdate update;
-    update.bricks.emplace_back(BrickGrid::keyOf(IVec3(x, 0, 0)), brick);
+    update.bricks.emplace_back(BrickGrid::keyOf(IVec3(x, 0, 0)), blockOf(brick));
     return update;
   };
   CHECK_FALSE(source.apply(brickAt(1, 0.5f)));  // without a hand
@@ -183,7 +183,7 @@ TEST_CASE("too many points are refused, and nothing waits after the source was c
   brick->positions.assign(3, Vec3(0.5f));
   brick->normals.assign(3, Vec3(0, 0, 1));
   BrickUpdate update;
-  update.bricks.emplace_back(BrickGrid::keyOf(IVec3(0)), brick);
+  update.bricks.emplace_back(BrickGrid::keyOf(IVec3(0)), blockOf(brick));
   CHECK_THROWS_AS(source.apply(update), Error);
   source.giveUp();
   HandReaches hands{.count = 1};
@@ -219,8 +219,7 @@ TEST_CASE("in virtual time each brush edits the points around a hand as it edits
       PointCloud sculpted = scene.cloud;
       CHECK(whole.readBack(sculpted) > 30);
       // Every point, compared with the whole cloud.
-      std::vector<PointState> made;
-      hand.source.takeMade(made);
+      const std::vector<PointState> made = madeStates(hand.source);
       std::vector<PointState> states = statesOf(scene.cloud);
       for (const PointState& state : made) states[state.number] = state;
       const PointCloud here = editedCloud(scene.cloud, states);
@@ -256,8 +255,8 @@ TEST_CASE("a deep push of a plate whose bricks are joined leaves its far side, a
     whole.finish();
     PointCloud there = plate.cloud;
     CHECK(whole.readBack(there) > 100);
-    std::vector<PointState> made, states = statesOf(plate.cloud);
-    hand.source.takeMade(made);
+    const std::vector<PointState> made = madeStates(hand.source);
+    std::vector<PointState> states = statesOf(plate.cloud);
     for (const PointState& state : made) states[state.number] = state;
     const PointCloud here = editedCloud(plate.cloud, states);
     CHECK(here.positions == there.positions);
@@ -302,8 +301,7 @@ TEST_CASE("in real time an edit waits until the last one is felt, so that a brus
   const std::size_t edits = hand.touch->report().editTimes_us.size();
   CHECK(edits > 20);
   CHECK(hand.touch->report().firstEdit_s.has_value());
-  std::vector<PointState> made;
-  hand.source.takeMade(made);
+  const std::vector<PointState> made = madeStates(hand.source);
   CHECK(made.size() > 50);
   double deepest = 50;
   for (const PointState& state : made) {
@@ -334,20 +332,17 @@ TEST_CASE("a hand without a brush, not sculpting, or in unknown bricks leaves ev
     for (int i = 0; i < 60; ++i)
       hand.touch->query({.time_s = 1e-3 * i, .hip = DVec3(0, 0, 51 - 0.05 * i), .sculpts = sculpts}, 1e6);
   };
-  std::vector<PointState> made;
   press(true);  // no brick is known
   hand.source.apply(hand.bricks.whole(DVec3(-70), DVec3(70)));
   press(false);
   hand.touch->setBrush(std::nullopt);
   press(true);
   hand.touch->finish();
-  hand.source.takeMade(made);
-  CHECK(made.empty());
+  CHECK(madeStates(hand.source).empty());
   hand.touch->setBrush(brush);
   for (int i = 0; i < 60; ++i) hand.touch->query({.time_s = 1 + 1e-3 * i, .hip = DVec3(0, 0, 51 - 0.05 * i)}, 0);
   hand.touch->finish();
-  hand.source.takeMade(made);
-  CHECK(made.size() > 30);
+  CHECK(madeStates(hand.source).size() > 30);
   const BrickHand fixed(scene, {.fixed = "it is to be felt alone"});
   CHECK_THROWS_WITH_AS(fixed.touch->setBrush(brush), "it is to be felt alone", UsageError);
 }

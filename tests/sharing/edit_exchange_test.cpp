@@ -11,7 +11,7 @@ namespace palpate::edit_exchange_test {
 using namespace exchange_world;
 
 TEST_CASE("all clients converge to the last state of every point, whatever the links and the server do") {
-  std::uint64_t restarts = 0, resent = 0, received = 0;
+  std::uint64_t restarts = 0, resent = 0, received = 0, refused = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     CAPTURE(seed);
     World world(seed, 1 + seed % 5, seed % 2 == 0);
@@ -19,6 +19,7 @@ TEST_CASE("all clients converge to the last state of every point, whatever the l
     settle(world);
     world.check();
     restarts += world.restarts();
+    refused += world.refused();
     for (std::size_t i = 0; i < 1 + seed % 5; ++i) {
       resent += world.client(i).exchange.resent();
       received += world.client(i).exchange.receivedStates();
@@ -27,6 +28,7 @@ TEST_CASE("all clients converge to the last state of every point, whatever the l
   // The simulated faults did occur.
   CHECK(restarts > 50);
   CHECK(resent > 100);
+  CHECK(refused > 100);
   CHECK(received > 10'000);
 }
 
@@ -103,6 +105,69 @@ TEST_CASE("a client that asks for the state is at rest only after the answer, no
   CHECK(hear(exchange, resultFor(server, place, client, asked, 1)) == Heard::taken);
   CHECK_FALSE(exchange.isAtRest());  // until that stroke is in effect here
   carryOutOneOffer(exchange);
+}
+
+TEST_CASE("undo of a point that another hand has changed meanwhile is refused, and both ends have the other's state") {
+  const auto points = pointsOf(3);
+  const Id client{1}, other{2};
+  SharedPoints server(points);
+  EditExchange exchange(points, kAtOnce);
+  SharedPoints::Place place;
+  const Resume asked = exchange.resume();
+  std::uint64_t samples = 0;
+  const auto send = [&] {
+    const StrokePiece* const piece = exchange.outbox().nextPiece(kAtOnce);
+    REQUIRE(piece);
+    REQUIRE(server.take(client, piece->number, piece->states, piece->replaced) == SharedPoints::Taken::taken);
+  };
+  PointState moved = points[1], theirs = points[1], alone = points[2];
+  moved.position.z = 1;
+  theirs.position.z = 2;
+  alone.position.z = 3;
+  exchange.follow({.points = {moved, alone}, .marks = {{2, EditMark::Kind::stroke}}});
+  send();
+  REQUIRE(hear(exchange, resultFor(server, place, client, asked, ++samples)) == Heard::taken);
+  REQUIRE(server.take(other, 1, {&theirs, 1}) == SharedPoints::Taken::taken);
+  const Told underWay = resultFor(server, place, client, asked, ++samples);
+  exchange.follow({.points = {points[1], points[2]}, .marks = {{2, EditMark::Kind::change}}});
+  send();
+  CHECK(server.points()[1] == theirs);
+  CHECK(server.points()[2] == points[2]);
+  REQUIRE(hear(exchange, underWay) == Heard::taken);
+  CHECK(exchange.points()[1] == points[1]);  // until the server has answered
+  REQUIRE(hear(exchange, resultFor(server, place, client, asked, ++samples)) == Heard::taken);
+  carryOutOneOffer(exchange);
+  CHECK(exchange.points()[1] == theirs);
+}
+
+TEST_CASE("what was not sent yet is merged: only a lone undo, or undo and redo, depends on the state before") {
+  const auto points = pointsOf(1);
+  const auto sent = [&](std::initializer_list<MadeState> edits) {
+    StrokeOutbox outbox;
+    for (const MadeState& edit : edits) outbox.add(edit);
+    const StrokePiece* const piece = outbox.nextPiece(36);
+    REQUIRE(piece);
+    REQUIRE(piece->states.size() == 1);
+    CHECK(piece->states[0] == (edits.end() - 1)->state);
+    return piece->replaced;
+  };
+  PointState moved = points[0];
+  moved.position.z = 1;
+  const MadeState stroke{moved}, undo{points[0], 5}, redo{moved, 6};
+  CHECK(sent({stroke}).empty());
+  CHECK(sent({undo}) == std::vector<std::uint64_t>{5});
+  CHECK(sent({undo, redo}) == std::vector<std::uint64_t>{5});
+  CHECK(sent({stroke, undo}).empty());
+  CHECK(sent({undo, stroke}).empty());
+  // Both kinds are in pieces of their own, of which those with states that they replace have room for fewer.
+  StrokeOutbox outbox;
+  for (const PointState& point : pointsOf(80)) outbox.add(point.number < 40 ? MadeState{point} : MadeState{point, 1});
+  std::vector<std::size_t> sizes;
+  while (const StrokePiece* const piece = outbox.nextPiece(36)) {
+    sizes.push_back(piece->states.size());
+    CHECK(piece->replaced.size() == (sizes.size() > 2 ? piece->states.size() : 0));
+  }
+  CHECK(sizes == std::vector<std::size_t>{36, 4, 32, 8});
 }
 
 TEST_CASE("asking for the state resends nothing, resuming does") {

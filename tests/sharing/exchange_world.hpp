@@ -48,6 +48,16 @@ class Answering {
       ++made_;
     }
   }
+  /// Moves a point as undo does: unless others have changed it meanwhile.
+  void goBack(std::mt19937& dice) {
+    carryOut();
+    batch_.marks.push_back({batch_.points.size(), EditMark::Kind::stroke});
+    PointState& point = points_[dice() % points_.size()];
+    point.position.z += 1;
+    point.gone = false;
+    batch_.points.push_back(point);
+    batch_.marks.push_back({batch_.points.size(), EditMark::Kind::change});
+  }
   bool offer(std::span<const PointChange> changes) {
     if (!offered_.empty()) return false;
     offered_.assign(changes.begin(), changes.end());
@@ -196,6 +206,7 @@ class World {
   Client& client(std::size_t i) { return *clients_[i]; }
   const SharedPoints& points() const { return points_; }
   std::uint64_t restarts() const { return restarts_; }
+  std::uint64_t refused() const { return refused_; }  ///< changes of points that another hand had changed
   std::uint64_t takenPieces() const { return journal_.size(); }
 
  private:
@@ -203,6 +214,7 @@ class World {
 
   void stepClient(Client& client, bool brushes) {
     if (brushes && dice_() % 3 == 0) client.answering.brush(dice_);
+    if (brushes && dice_() % 12 == 0) client.answering.goBack(dice_);
     if (dice_() % 4 == 0) client.answering.carryOut();
     if (dice_() % 3 == 0) client.exchange.follow(client.answering.take());
     bool gap = false;
@@ -232,8 +244,14 @@ class World {
             .place = {.upTo = std::min(asked.upTo, points_.head()), .ownUpTo = asked.upTo == 0 ? points_.head() : 0}};
       });
       client->strokes.arrive(now_, [&](const StrokePiece& piece) {
-        if (points_.take(client->id, piece.number, piece.states) == SharedPoints::Taken::taken)
-          journal_.push_back({client->id, piece});
+        if (points_.take(client->id, piece.number, piece.states, piece.replaced) != SharedPoints::Taken::taken) return;
+        StrokePiece taken = piece;  // as StrokeServer has it in its journal
+        for (std::size_t i = 0; i < taken.replaced.size(); ++i) {
+          const PointState& present = points_.points()[taken.states[i].number];
+          refused_ += !(present == taken.states[i]);
+          taken.states[i] = present;
+        }
+        journal_.push_back({client->id, std::move(taken)});
       });
     }
     for (auto& client : clients_) {
@@ -265,7 +283,7 @@ class World {
   std::map<Id, Follower> followers_;
   std::vector<std::unique_ptr<Client>> clients_;
   int now_ = 0;
-  std::uint64_t restarts_ = 0;
+  std::uint64_t restarts_ = 0, refused_ = 0;
 };
 
 inline void settle(World& world) {

@@ -38,7 +38,7 @@ class Forger {
  private:
   void write(const Want& near) {
     if (!bricks_) bricks_.emplace(participant_, topics_.points, reliableQos(false, partitionOf(idOf(near.client))));
-    BrickPart part{.key = ~BrickKey{0}, .total = 1, .count = 0};
+    BrickPart part{.key = ~BrickKey{0}, .total = 1, .count = 0, .checksum = 0};
     Points sample{};
     std::memcpy(sample.session, near.session, sizeof sample.session);
     sample.epoch = near.epoch;

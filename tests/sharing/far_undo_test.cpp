@@ -111,14 +111,13 @@ TEST_CASE("a stroke is undone after the hand has moved on, but for the points th
     if (isHeard) {
       other.stroke(rowOf(3, 1), 2);
       CHECK(within(30, [&] { return other.isDelivered(); }));
-      CHECK(hand.undo() == 4);  // of which the store leaves one, as the block shows that it is another's
+      CHECK(hand.undo() == 4);  // of which the server refuses one, as it is another's
       CHECK(gets(other, {0, 0, 0, 3}));
-      CHECK(hand.redo() == 3);
+      CHECK(hand.redo() == 4);
       CHECK(gets(other, {1, 1, 1, 3}));
-      CHECK(hand.undo() == 3);
+      CHECK(hand.undo() == 4);
     } else {
       served.pause();
-      hand.timeout_s = 0;
       CHECK(hand.undo() == 4);
       served.goOn();
     }
@@ -129,6 +128,35 @@ TEST_CASE("a stroke is undone after the hand has moved on, but for the points th
     served.end();
     CHECK(otherChanges(served, cloud, rowOf(3, isHeard ? 1 : 0)) == 0);
   }
+}
+
+TEST_CASE("a server that continues from its journal has refused the same undo") {
+  const PointCloud cloud = square();
+  const ScratchFolder folder;
+  const CloudServer::Parts parts{.name = "refused", .journal = folder / "strokes"};
+  std::optional<Served> served(std::in_place, cloud, parts);
+  FarHand hand("refused");
+  REQUIRE(hand.comesTo(kHere));
+  hand.stroke(rowOf(0, 4), 1);
+  REQUIRE(within(30, [&] { return hand.isDelivered(); }));
+  REQUIRE(within(30, [&] {
+    hand.comesTo(kElsewhere);
+    return !hand.knows(rowOf(0, 1)[0]);
+  }));
+  WholeHand other("refused");
+  CHECK(gets(other, {1, 1, 1, 1}));
+  other.stroke(rowOf(3, 1), 2);
+  REQUIRE(within(30, [&] { return other.isDelivered(); }));
+  CHECK(hand.undo() == 4);
+  CHECK(gets(other, {0, 0, 0, 3}));
+  REQUIRE(within(30, [&] { return hand.isDelivered(); }));
+  served->end();
+  const std::vector<PointState> before(served->points().begin(), served->points().end());
+  served.reset();
+  served.emplace(cloud, parts);
+  served->end();
+  CHECK(std::ranges::equal(served->points(), before));
+  CHECK(before[rowOf(3, 1)[0]].position.z == 3);
 }
 
 TEST_CASE("undo takes effect at once while the link is down, and reaches the server and others once it is up") {
@@ -228,7 +256,11 @@ TEST_CASE("a session near its points undoes, redoes and saves: each point as bef
   CHECK(changed(session.sculpted().cloud) == changed(dented.cloud));
   CHECK(session.undo(2, 0).undone == 1);
   CHECK(session.settleShared(30));
+  CHECK(session.saveAtServer() == ServerSave{.words = "it was started without --save"});
   server.end();
+  const Stopwatch silent;
+  CHECK(session.saveAtServer() == ServerSave{.words = "it is silent"});
+  CHECK(silent.elapsed_s() < 20);
   CHECK(otherChanges(server, served.cloud) == 0);
   CHECK(server.end().states > 60);
 }

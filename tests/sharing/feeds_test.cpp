@@ -110,10 +110,11 @@ TEST_CASE("a client of the whole cloud gets each block once, then each edited po
 TEST_CASE("a sample of any kind fits into one Ethernet frame") {
   StreamSample sample;
   sample.points.resize(kBlockPoints);
+  sample.parts.resize(1);
   const auto bytes = [&] {
     // Head, six lengths, and the elements.
-    return 88 + 24 + sample.parts.size() * 16 + sample.ids.size() * 4 + sample.points.size() * sizeof(Point) +
-           sample.velocities.size() * 4 + sample.states.size() * sizeof(State) +
+    return 88 + 24 + sample.parts.size() * sizeof(BrickPart) + sample.ids.size() * 4 +
+           sample.points.size() * sizeof(Point) + sample.velocities.size() * 4 + sample.states.size() * sizeof(State) +
            (sample.forces == HandsForces{} ? 0 : sizeof sample.forces);
   };
   constexpr std::size_t kFragment = 1344;  // what DDS sends whole (dds.cpp)

@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// Of the wanted blocks of another store, each comes with every second look, in no order. One in eight comes damaged
-/// first, and is repaired later unless `staysDamaged`.
+/// Of the wanted blocks of another store, each comes with every second look, in no order. One in eight comes damaged;
+/// it is repaired when it is refused, unless `staysDamaged`.
 class FlakyStore final : public PointStore {
  public:
   FlakyStore(PointStore& whole, unsigned seed, bool staysDamaged = false)
@@ -32,13 +32,18 @@ class FlakyStore final : public PointStore {
   void takeNews(std::vector<BrickKey>& keys) override {
     whole_.takeNews(keys);
     for (const BrickKey key : wanted_) {
-      if (random_() % 2 == 0 || (here_.contains(key) && (staysDamaged_ || damaged_.erase(key) == 0))) continue;
+      if (random_() % 2 == 0 || here_.contains(key)) continue;
       keys.push_back(key);
-      if (!here_.insert(key).second || random_() % 8 != 0) continue;
-      damaged_.insert(key);
-      ++damages_;
+      here_.insert(key);
+      if (random_() % 8 == 0 && damaged_.insert(key).second) ++damages_;
     }
   }
+  void refuse(BrickKey key) override {
+    ++refusals_;
+    here_.erase(key);
+    if (!staysDamaged_) damaged_.erase(key);
+  }
+  std::size_t refusals() const { return refusals_; }
   std::size_t damages() const { return damages_; }
   std::size_t notHere() const { return notHere_; }
   bool isDamaged(BrickKey key) const { return damaged_.contains(key); }
@@ -49,7 +54,7 @@ class FlakyStore final : public PointStore {
   bool staysDamaged_;
   std::vector<BrickKey> wanted_;
   std::unordered_set<BrickKey> here_, damaged_;
-  std::size_t damages_ = 0;
+  std::size_t damages_ = 0, refusals_ = 0;
   mutable std::size_t notHere_ = 0;
 };
 

@@ -69,6 +69,8 @@ class ForeignServer {
           sample.sample = ++sent;
           spoil(sample, points);
           give(sample.points, points);
+          std::array part{BrickPart{.key = block, .checksum = sharing::checksumOf(points)}};
+          give(sample.parts, part);
           writer->write(sample);
         }
       });

@@ -45,7 +45,7 @@ class RestingFar final : public BrickCloud {
       brick.velocities.emplace_back(0);
     }
     BrickUpdate update{.true_s = steadyNow_s(), .whole = true};
-    for (const auto& [key, brick] : bricks) update.bricks.emplace_back(key, brick);
+    for (const auto& [key, brick] : bricks) update.bricks.emplace_back(key, blockOf(brick));
     source_.apply(std::move(update));
   }
   /// Sends a force on the first hand, true for that time.

@@ -301,7 +301,7 @@ TEST_CASE("a client with only nearby points continues amid corrupted requests, f
     facts.spacing = facts.edge = 1;
   });
   const Reader<Want> wants(mutant.participant(), topics.wants, bestEffortQos());
-  std::array part{BrickPart{.key = BrickGrid::keyOf(IVec3(0)), .total = 1, .count = 1}};
+  std::array part{BrickPart{.key = BrickGrid::keyOf(IVec3(0)), .total = 1, .count = 1, .checksum = 0}};
   std::array id{std::uint32_t{0}};
   std::array point{Point{.position = {1, 2, 0}, .normal = {0, 0, 1}, .color = 0}};
   int rounds = 0;

@@ -224,7 +224,7 @@ TEST_CASE("a client's moving points all belong to the same time after each step"
     for (const BrickKey key : step.dropped) CHECK(known.erase(key) == 1);
     for (const auto& [key, brick] : step.bricks) {
       CHECK(shown.contains(key));  // whether other bricks are empty is unknown
-      known[key] = brick;
+      known[key] = brick.points;
     }
     for (const auto& [key, brick] : known)
       for (const Vec3& velocity : brick->velocities) CHECK(velocity.z == static_cast<float>(turn - turn % 2));
@@ -288,9 +288,9 @@ TEST_CASE("a step is assembled from its samples; a missing sample is detected, a
   const auto update = assembly.takeUpdate();
   REQUIRE(update);
   REQUIRE(update->bricks.size() == 2);
-  CHECK(update->bricks[0].second->ids == std::vector<std::uint32_t>{3, 8});
-  CHECK(update->bricks[0].second->colors[0] == 0x030201);
-  CHECK(update->bricks[1].second->size() == 0);
+  CHECK(update->bricks[0].second.points->ids == std::vector<std::uint32_t>{3, 8});
+  CHECK(update->bricks[0].second.points->colors[0] == 0x030201);
+  CHECK(update->bricks[1].second.points->size() == 0);
   CHECK(update->force_N[0] == Vec3(0));
   CHECK(update->force_N[1] == Vec3(0, 2, 0));
   // After a restart received bricks stay until they are received again; those not received with the rest are dropped.

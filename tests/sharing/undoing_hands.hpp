@@ -68,8 +68,6 @@ class FarHand final : public UndoingHand {
   FarCloud& far() { return *joined_.far; }
   bool comesTo(const DVec3& hip) { return palpate::comesTo(hip, source()); }
   bool knows(std::uint32_t point) { return !at(point).gone; }
-  /// Of the wait for points that are not loaded.
-  double timeout_s = 5;
 
   PointState at(std::uint32_t point) override {
     std::vector<PointState> points;
@@ -89,7 +87,7 @@ class FarHand final : public UndoingHand {
     source().make(changes, ++stroke_);
     source().endStroke();
   }
-  void change(std::span<const PointChange> changes) override { source().change(changes, timeout_s); }
+  void change(std::span<const PointChange> changes) override { source().change(changes); }
   History& history() override { return history_; }
 
  private:
@@ -109,6 +107,7 @@ class WholeHand final : public UndoingHand {
     follow();
     return history_.points()[point];
   }
+  ServerFile& file() { return *follower_->file(); }
   bool isDelivered() override {
     follow();
     return follower_->counts().delivered;
