@@ -87,6 +87,7 @@ void BrickSource::want(const HandReaches& hands) {
   }
   std::ranges::sort(reached);
   std::vector<BrickKey> keys;
+  keys.reserve(reached.size());
   for (const auto& [distance, key] : reached) keys.push_back(key);
   if (keys == wanted_) return;
   wanted_ = std::move(keys);
