@@ -286,20 +286,28 @@ Json forgetBackends(std::FILE* out) {
   return existed ? Json(count) : Json(0);
 }
 
+// `quietly`: for the program that waits for the result, which reports it.
+void prove(Context& context, bool quietly) {
+  Json proof;
+  try {
+    proof = context.proof(quietly ? nullptr : context.tables());
+  } catch (const GpuError& error) {
+    if (!quietly) throw;
+    context.writeJson({{"error", error.what()}});
+    return;
+  }
+  context.writeJson({{"proof", proof}});
+  endAfterProof(proof);
+  if (const auto wrong = proof["wrong"].get<std::string>(); !quietly && !wrong.empty())
+    throw Error("{} gives wrong results: {}", proof["gpu"].get<std::string>(), wrong);
+}
+
 void doctor(Context& context, const DoctorOptions& options) {
   if (options.forget && options.device.empty()) {
     context.writeJson({{"forgotten", forgetBackends(context.tables())}});
     return;
   }
-  if (!options.prove.empty()) {
-    const bool quietly = options.prove == kQuietly;
-    const Json proof = context.proof(quietly ? nullptr : context.tables());
-    context.writeJson({{"proof", proof}});
-    endAfterProof(proof);
-    if (const auto wrong = proof["wrong"].get<std::string>(); !quietly && !wrong.empty())
-      throw Error("{} gives wrong results: {}", proof["gpu"].get<std::string>(), wrong);
-    return;
-  }
+  if (!options.prove.empty()) return prove(context, options.prove == kQuietly);
   if (options.network) {
     context.writeJson({{"network", network(context.tables(), options.which.config())}});
     return;

@@ -1,4 +1,4 @@
-// The part of Panels beside the main panel: curves, scale, heights, and the questions.
+// The part of Panels beside the main panel: curves, other participants, scale, heights, and the questions.
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <imgui.h>
@@ -10,6 +10,7 @@
 
 #include "apps/cli/legend.hpp"
 #include "apps/view/panels.hpp"
+#include "apps/view/shown_lines.hpp"
 #include "engine/cloud/length_text.hpp"
 #include "engine/core/counted.hpp"
 #include "shaders/shared/ramp.h"
@@ -134,6 +135,32 @@ void Panels::drawLink() {
 }
 
 // At the lower right, where there is no panel.
+void Panels::drawOthers(const ViewStatus& status) {
+  if (!status.others || !header("Others", true)) return;
+  const auto& [given, hands, cameras] = *status.others;
+  const auto line = [](std::uint32_t number, const std::string& name, const std::string& does) {
+    const auto color = colorOfHand(number);
+    ImGui::TextColored(ImVec4(color[0] / 255.0F, color[1] / 255.0F, color[2] / 255.0F, 1), "%s", name.c_str());
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", does.c_str());
+  };
+  for (const SeenHand& hand : hands) {
+    std::string does = hand.place.touching ? (hand.place.sculpts ? "sculpts" : "touches") : "";
+    if (std::ranges::count(cameras, hand.number, &SeenCamera::number) > 0) does += does.empty() ? "looks" : ", looks";
+    line(hand.number, hand.name, does);
+  }
+  for (const SeenCamera& camera : cameras)
+    if (std::ranges::count(hands, camera.number, &SeenHand::number) == 0) line(camera.number, camera.name, "looks");
+  if (hands.empty() && cameras.empty()) ImGui::TextDisabled("no other participants");
+  if (!given) return;
+  const SharedCounts& counts = *given;
+  if (counts.silent_s > 1) ImGui::Text("no message for %.0f s", counts.silent_s);
+  if (counts.force < 1) ImGui::Text("force reduced to %.0f %%", 100 * counts.force);
+  if (counts.link.roundTrip_ms)
+    ImGui::TextDisabled("round trip %.1f ms, %.0f %% lost", *counts.link.roundTrip_ms,
+                        counts.link.lost_percent.value_or(0));
+}
+
 void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) {
   const std::string text = lengthText(bar.length, unit);
   const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());

@@ -11,13 +11,6 @@
 
 namespace palpate {
 
-namespace {
-
-// Within this part of the support radius a hand rests; it counts as awake for a moment longer.
-constexpr double kRests = 0.02, kAwake_s = 0.2;
-
-}  // namespace
-
 TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions& options)
     : device_(device),
       options_(options),
@@ -29,7 +22,8 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       record_{.log = EditLog(device, options.brush ? index_.cloud().count() : 0)},
       questions_(device, contactOptions(), index_.hash().grid(), index_.cloud().slots(),
                  options.wait.value_or(device.defaultWait()), options.timing),
-      frames_(device, options, index_, cloud.origin) {
+      frames_(device, options, index_, cloud.origin),
+      rest_(hands_.size(), options.radius) {
   if (options.brush)
     edits_.emplace(device, editOptions(options), index_, record_.log, statistics_, colorsOf(cloud, options));
   makeBridge();
@@ -345,13 +339,11 @@ bool TouchSide::waitsAhead() {
   // In virtual time the frame of the next pose must be built first.
   if (!questions_.question().realtime) return !frames_.move();
   const double now_s = questions_.question().time_s;
-  for (GpuHand& hand : hands_) {
-    const DVec3 hip = hand.probes.question().hip;
-    if (hand.probes.answer().neighbours == 0 && glm::distance(hip, hand.restsAt) <= kRests * options_.radius) continue;
-    hand.restsAt = hip;
-    stirred_s_ = now_s;
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    const ProbeGroup& probes = hands_[i].probes;
+    rest_.note(i, probes.question().hip, probes.answer().neighbours > 0, now_s);
   }
-  return now_s - stirred_s_ < kAwake_s;
+  return !rest_.rests(now_s);
 }
 
 void TouchSide::followAnswer() {

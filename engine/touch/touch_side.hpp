@@ -14,6 +14,7 @@
 #include "engine/touch/patch_bridge.hpp"
 #include "engine/touch/probe_group.hpp"
 #include "engine/touch/question_pipeline.hpp"
+#include "engine/touch/rest_watch.hpp"
 #include "engine/touch/touch_backend.hpp"
 #include "engine/touch/touch_frames.hpp"
 #include "engine/touch/touch_options.hpp"
@@ -94,7 +95,6 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
     ProbeGroup probes;
     std::uint32_t firstProbe;
     std::vector<BridgedPoint> points;
-    DVec3 restsAt{0};  // where it has last moved to, or been near a surface
   };
   // Record of edits, for the readers that follow them.
   struct EditRecord {
@@ -170,9 +170,9 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   EditRecord record_;
   QuestionPipeline questions_;
   TouchFrames frames_;
+  RestWatch rest_;
   std::optional<EditPipeline> edits_;  // if points are edited
   std::optional<PatchBridge> bridge_;  // for the first hand
-  double stirred_s_ = 0;               // when a hand last moved or was near a surface
   std::exception_ptr failure_;
 };
 

@@ -183,7 +183,7 @@ TEST_CASE("a session in real time proves the GPU once, and uses the CPU where a 
   std::filesystem::remove(proofs);
   {
     const LostGpuLayer layer("submit:5");  // in the middle of the proof
-    checkEnds(1, onGpu, {"lost"});
+    checkEnds(1, onGpu, {"VK_ERROR_DEVICE_LOST"});
     CHECK(!std::filesystem::exists(proofs));
   }
   ::setenv("PALPATE_PROOF_FAILS", "sort", 1);
