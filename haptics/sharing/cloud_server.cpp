@@ -190,7 +190,7 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
     streams.take();
     if (link_->moving)
       if (auto moved = link_->moving->newest(); moved.frame) streams.show(std::move(moved.frame), moved.hands);
-    next_s = std::min(link_->writer.turn(), streams.write());
+    next_s = std::min(link_->writer.advance(), streams.write());
     if (link_->moving && !streams.isIdle()) next_s = std::min(next_s, kFrameLook_s);
   }
 }

@@ -20,7 +20,7 @@ bool LinkProbe::turn() {
   echoes_.take([&](const Ping& echo) {
     if (!isSame(echo.session, server_) || !isSame(echo.client, client_)) return;
     isAnswered = statistics_.answered(echo.number, since_.elapsed_s()) || isAnswered;
-    request_.hear(echo);
+    request_.answered(echo);
   });
   if (lastPing_.elapsed_s() < (sent_ < kFirstPings ? kFirstPings_s : kPing_s)) return isAnswered;
   lastPing_ = {};

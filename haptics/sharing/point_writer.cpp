@@ -28,7 +28,7 @@ void PointWriter::answer(Ping& ping) {
   put(ping.words, last_.words);
 }
 
-double PointWriter::turn() {
+double PointWriter::advance() {
   if (running_.valid()) {
     if (running_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return kWritePoll_s;
     end();

@@ -32,7 +32,7 @@ class PointWriter {
   /// Takes the request of a ping, and completes its echo.
   void answer(Ping& ping);
   /// Begins and ends writes. Returns the seconds until there may be more to do.
-  double turn();
+  double advance();
   /// Waits for a write in progress, and writes the present points. Throws what that throws.
   void writeNow();
 

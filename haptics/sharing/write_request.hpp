@@ -17,7 +17,7 @@ class WriteRequest {
   /// Ping::write of the next ping.
   std::uint64_t write() const { return answer_ ? 0 : write_; }
   /// Echoes come in any order.
-  void hear(const Ping& echo) {
+  void answered(const Ping& echo) {
     if (!after_ || answer_ || echo.number <= *after_) return;
     if (!echo.writes) {
       answer_ = ServerSave{.words = "it was started without --save"};

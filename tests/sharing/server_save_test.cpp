@@ -178,31 +178,31 @@ TEST_CASE("a flood of requests has one write at a time, and strokes of others ar
 
 TEST_CASE("a request is answered by a write that begins after it, in whatever order echoes come") {
   WriteRequest request;
-  request.hear(echoOf(1, 0, 0));
+  request.answered(echoOf(1, 0, 0));
   CHECK(request.write() == 0);
   request.begin(7);
   CHECK(request.write() == 0);
-  request.hear(echoOf(7, 3, 3));  // of a ping before the request
+  request.answered(echoOf(7, 3, 3));  // of a ping before the request
   CHECK(request.write() == 0);
-  request.hear(echoOf(9, 4, 3));  // a write in progress may lack the last strokes
+  request.answered(echoOf(9, 4, 3));  // a write in progress may lack the last strokes
   CHECK(request.write() == 5);
-  request.hear(echoOf(10, 4, 4));
+  request.answered(echoOf(10, 4, 4));
   CHECK_FALSE(request.answer());
-  request.hear(echoOf(8, 3, 3));  // late
+  request.answered(echoOf(8, 3, 3));  // late
   CHECK(request.write() == 4);
-  request.hear(echoOf(11, 4, 4));
+  request.answered(echoOf(11, 4, 4));
   CHECK(request.answer() == ServerSave{.written = true, .points = 40, .words = "there.ply"});
   CHECK(request.write() == 0);
   request.begin(11);
   CHECK_FALSE(request.answer());
-  request.hear(echoOf(12, 9, 9));
+  request.answered(echoOf(12, 9, 9));
   CHECK(request.write() == 10);
-  request.hear(echoOf(13, 0, 0));  // another server has taken over
+  request.answered(echoOf(13, 0, 0));  // another server has taken over
   CHECK(request.write() == 1);
   Ping failed = echoOf(14, 1, 1);
   failed.failed = true;
   put(failed.words, "full");
-  request.hear(failed);
+  request.answered(failed);
   CHECK(request.answer() == ServerSave{.words = "full"});
 }
 
