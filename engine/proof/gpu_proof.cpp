@@ -31,8 +31,9 @@ Words randomWords(std::uint32_t count, std::uint32_t seed) {
   return words;
 }
 
-// The words that each invocation writes, from those of a workgroup.
-using Expected = std::function<void(std::span<const std::uint32_t> values, std::span<std::uint32_t> results)>;
+// The words that each invocation writes, from those of a workgroup in subgroups of that size.
+using Expected = void (*)(std::uint32_t subgroup, std::span<const std::uint32_t> values,
+                          std::span<std::uint32_t> results);
 
 std::uint32_t odd(std::uint32_t value) { return value & 1; }
 
@@ -100,10 +101,15 @@ void expectPassed(std::uint32_t subgroup, std::span<const std::uint32_t> values,
   }
 }
 
-void expectAdded(std::span<const std::uint32_t> values, std::span<std::uint32_t> results) {
+void expectAdded(std::uint32_t, std::span<const std::uint32_t> values, std::span<std::uint32_t> results) {
   std::uint32_t added = 0;
   for (const std::uint32_t value : values) added += value & 15;
   for (std::size_t i = 0; i < values.size(); ++i) results[kWords * i] = added;
+}
+
+void expectProducts(std::uint32_t, std::span<const std::uint32_t> values, std::span<std::uint32_t> results) {
+  for (std::size_t i = 0; i < results.size(); ++i)
+    results[i] = values[i / kWords] * (static_cast<std::uint32_t>(i % kWords) + 1);
 }
 
 // While shaders are translated. Under validation a software driver does that at the first run.
@@ -153,20 +159,15 @@ class Prover {
 
  private:
   std::string resultOf(Primitive primitive) {
-    const std::uint32_t size = device_.subgroupSize();
     switch (primitive) {
       case Primitive::sum:
-        return runs(shared::kProofSum, primitive,
-                    [&](auto values, auto results) { expectSums(size, values, results); });
+        return runs(shared::kProofSum, primitive, expectSums);
       case Primitive::ballot:
-        return runs(shared::kProofBallot, primitive,
-                    [&](auto values, auto results) { expectBallots(size, values, results); });
+        return runs(shared::kProofBallot, primitive, expectBallots);
       case Primitive::shuffle:
-        return runs(shared::kProofShuffle, primitive,
-                    [&](auto values, auto results) { expectShuffles(size, values, results); });
+        return runs(shared::kProofShuffle, primitive, expectShuffles);
       case Primitive::barrier:
-        return runs(shared::kProofBarrier, primitive,
-                    [&](auto values, auto results) { expectPassed(size, values, results); });
+        return runs(shared::kProofBarrier, primitive, expectPassed);
       case Primitive::atomic:
         return atomics();
       case Primitive::hostWrite:
@@ -207,10 +208,10 @@ class Prover {
   }
   void put(const Words& values) { std::ranges::copy(values, values_.mapped<std::uint32_t>().begin()); }
   // The first of the results that differs.
-  std::string difference(const Words& values, const Expected& expected) const {
+  std::string difference(const Words& values, Expected expected) const {
     Words right(kCount * kWords);
     for (std::uint32_t group = 0; group < kGroups; ++group)
-      expected(std::span(values).subspan(group * kWorkgroup, kWorkgroup),
+      expected(device_.subgroupSize(), std::span(values).subspan(group * kWorkgroup, kWorkgroup),
                std::span(right).subspan(group * kWorkgroup * kWords, kWorkgroup * kWords));
     return difference(std::span<const std::uint32_t>(results_.mapped<const std::uint32_t>()), right);
   }
@@ -221,7 +222,7 @@ class Prover {
     return {};
   }
 
-  std::string runs(std::uint32_t what, Primitive primitive, const Expected& expected) {
+  std::string runs(std::uint32_t what, Primitive primitive, Expected expected) {
     const ComputePipeline pass = pipeline(what, fails(primitive));
     Words values = randomWords(kCount, what);
     for (std::size_t i = 0; i < values.size(); i += kNarrowestSubgroup)
@@ -265,10 +266,7 @@ class Prover {
       const Words values = randomWords(kCount, seed);
       put(values);
       device_.latencyQueue().run(list);
-      const std::string wrong = difference(values, [](auto own, auto results) {
-        for (std::size_t i = 0; i < results.size(); ++i)
-          results[i] = own[i / kWords] * (static_cast<std::uint32_t>(i % kWords) + 1);
-      });
+      const std::string wrong = difference(values, expectProducts);
       if (!wrong.empty()) return wrong;
     }
     return {};

@@ -181,7 +181,7 @@ TEST_CASE("a block that stays damaged is named and felt as missing, and is neith
   CHECK(missing > 10);
 }
 
-TEST_CASE("points that are no longer loaded are undone at once, but for those of which the server refuses it") {
+TEST_CASE("points that have left memory are undone at once, except those that the server refuses") {
   const Scene scene = makeScene("sphere", 20'000);
   BrickHand hand(scene, {.brush = kPush});
   HandHistory own(*hand.touch);
