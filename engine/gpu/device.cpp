@@ -131,7 +131,7 @@ Device::Device(const DeviceOptions& options)
   const auto gpus = describeGpus(*instance_);
   physical_ = instance_->physicalDevices()[choose(*instance_, gpus, options.gpu)];
   readProperties();
-  createLogicalDevice(options.queues);
+  createLogicalDevice(options);
 }
 
 Device::Device(const HostDevice& host) {
@@ -166,14 +166,14 @@ void Device::readProperties() {
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 }
 
-void Device::createLogicalDevice(QueueArrangement arrangement) {
-  const auto roles = chooseQueues(queueFamiliesOf(physical_), arrangement);
+void Device::createLogicalDevice(const DeviceOptions& options) {
+  const auto roles = chooseQueues(queueFamiliesOf(physical_), options.queues);
   if (!roles) throw GpuError("{} has no compute queue; choose another GPU", name_);
   roles_ = *roles;
 
   FeatureChain available(hasExtension(physical_, VK_KHR_SHADER_CLOCK_EXTENSION_NAME));
   vkGetPhysicalDeviceFeatures2(physical_, &available.all);
-  takeUp(featuresIn(available.all));
+  takeUp(featuresIn(available.all), options.subgroupSize);
   FeatureChain enabled(hasClock_);
   enable(available, instance_->validation(), enabled);
   enabled.v13.dynamicRendering = enabled.all.features.largePoints = draws_;
@@ -188,7 +188,7 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
   constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
   if (hasExtension(physical_, kPortabilitySubset)) extensions.push_back(kPortabilitySubset);
   if (presents_ && canMakeSwapchains(physical_)) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
-  const std::vector<FamilyQueues> families = queuesFor(roles_, arrangement);
+  const std::vector<FamilyQueues> families = queuesFor(roles_, options.queues);
   std::vector<VkDeviceQueueCreateInfo> queues = queueInfos(families, globalPriority);
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .pNext = &enabled.all,
@@ -222,21 +222,28 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
   }
 }
 
-void Device::takeUp(const Features& enabled) {
+std::vector<std::uint32_t> Device::subgroupSizes() const {
+  return usableSubgroupSizes(subgroups_, properties_.vendorID);
+}
+
+void Device::takeUp(const Features& enabled, std::uint32_t subgroupSize) {
   // GPU-assisted validation of a draw hangs NVIDIA's driver (580.159 with the layer of Debian 12).
   const bool stops = instance_->validation() == Validation::full && driverId_ == VK_DRIVER_ID_NVIDIA_PROPRIETARY;
   draws_ = roles_.draws && enabled.dynamicRendering && enabled.largePoints && !stops;
   hasWideAtomics_ = enabled.bufferInt64Atomics && enabled.int64;
   hasClock_ = enabled.clocks;
-  SubgroupSizes sizes = subgroupSizesOf(physical_);
-  sizes.canRequire = sizes.canRequire && enabled.subgroupSizeControl;
-  subgroupSize_ = chooseSubgroupSize(sizes, properties_.vendorID);
-  requiresSubgroupSize_ = sizes.canRequire && sizes.min < sizes.max;
+  subgroups_ = subgroupSizesOf(physical_);
+  subgroups_.canRequire = subgroups_.canRequire && enabled.subgroupSizeControl;
+  const std::vector<std::uint32_t> sizes = subgroupSizes();
+  if (subgroupSize > 0 && !std::ranges::count(sizes, subgroupSize))
+    throw GpuError("{} has no subgroups of {}, but of {}", name_, subgroupSize, fmt::join(sizes, ", "));
+  subgroupSize_ = subgroupSize > 0 ? subgroupSize : sizes.front();
+  requiresSubgroupSize_ = subgroups_.canRequire && subgroups_.min < subgroups_.max;
   const VkPhysicalDeviceLimits& limits = properties_.limits;
   widestWorkgroup_ = std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);
   if (requiresSubgroupSize_)
     widestWorkgroup_ = static_cast<std::uint32_t>(
-        std::min<std::uint64_t>(widestWorkgroup_, std::uint64_t{subgroupSize_} * sizes.mostInWorkgroup));
+        std::min<std::uint64_t>(widestWorkgroup_, std::uint64_t{subgroupSize_} * subgroups_.mostInWorkgroup));
 }
 
 void Device::createQueues(const QueueHandles& handles, const MakeQueue& make) {

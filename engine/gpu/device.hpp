@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engine/gpu/compute_pipeline.hpp"
 #include "engine/gpu/device_choice.hpp"
@@ -19,6 +20,8 @@ struct DeviceOptions {
   std::string gpu;  ///< number or part of a name; empty: PALPATE_GPU, otherwise the best available
   Validation validation = Validation::off;
   QueueArrangement queues = QueueArrangement::separate;
+  /// Of all pipelines: one of Device::subgroupSizes(), or 0 for the best.
+  std::uint32_t subgroupSize = 0;
   bool shows = false;  ///< shows pictures in a window: adds a queue for the thread that shows them
   /// Extensions of the instance for a device that presents them to the window system itself.
   std::vector<std::string> windowExtensions = {};
@@ -59,6 +62,8 @@ class Device {
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   /// Of all pipelines.
   std::uint32_t subgroupSize() const { return subgroupSize_; }
+  /// Those that they can have, the best one first.
+  std::vector<std::uint32_t> subgroupSizes() const;
   /// Whether pipelines have to require it: the driver has others.
   bool requiresSubgroupSize() const { return requiresSubgroupSize_; }
   /// Maximum number of invocations of a workgroup.
@@ -101,8 +106,8 @@ class Device {
 
  private:
   void readProperties();
-  void createLogicalDevice(QueueArrangement arrangement);
-  void takeUp(const Features& enabled);
+  void createLogicalDevice(const DeviceOptions& options);
+  void takeUp(const Features& enabled, std::uint32_t subgroupSize = 0);
   using MakeQueue = std::function<std::shared_ptr<SharedQueue>(VkQueue)>;
   struct QueueHandles {
     VkQueue latency, throughput, background;
@@ -117,6 +122,7 @@ class Device {
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint32_t subgroupSize_ = 0, widestWorkgroup_ = 0;
   bool hasWideAtomics_ = false, hasClock_ = false, requiresSubgroupSize_ = false;
+  SubgroupSizes subgroups_;
   VkDriverId driverId_ = {};
   std::uint64_t largestBuffer_ = 0;
   bool draws_ = false, shows_ = false, presents_ = false;

@@ -131,16 +131,19 @@ SubgroupSizes subgroupSizesOf(VkPhysicalDevice device) {
           .canRequire = (v13.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0};
 }
 
-std::uint32_t chooseSubgroupSize(const SubgroupSizes& sizes, std::uint32_t vendor) {
+std::vector<std::uint32_t> usableSubgroupSizes(const SubgroupSizes& sizes, std::uint32_t vendor) {
   constexpr std::uint32_t kIntel = 0x8086, kOfIntel = 16;
-  const auto fits = [&](std::uint32_t size) {
-    return std::has_single_bit(size) && size >= kNarrowestSubgroup && size <= kWidestSubgroup &&
-           (size == sizes.usual || (sizes.canRequire && size >= sizes.min && size <= sizes.max));
+  std::vector<std::uint32_t> usable;
+  const auto add = [&](std::uint32_t size) {
+    const bool exists = size == sizes.usual || (sizes.canRequire && size >= sizes.min && size <= sizes.max);
+    if (exists && std::has_single_bit(size) && size >= kNarrowestSubgroup && size <= kWidestSubgroup &&
+        !std::ranges::count(usable, size))
+      usable.push_back(size);
   };
-  if (vendor == kIntel && fits(kOfIntel)) return kOfIntel;
-  for (const std::uint32_t size : {sizes.usual, kWidestSubgroup, sizes.min})
-    if (fits(size)) return size;
-  return 0;
+  if (vendor == kIntel) add(kOfIntel);
+  add(sizes.usual);
+  for (std::uint32_t size = kWidestSubgroup; size >= kNarrowestSubgroup; size /= 2) add(size);
+  return usable;
 }
 
 std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device) {
@@ -174,7 +177,7 @@ std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device) {
   const std::string range = sizes.canRequire ? fmt::format(", {} to {}", sizes.min, sizes.max) : "";
   states.push_back({fmt::format("a subgroup size from {} to {} (it is {}{})", kNarrowestSubgroup, kWidestSubgroup,
                                 sizes.usual, range),
-                    chooseSubgroupSize(sizes, properties.properties.vendorID) != 0});
+                    !usableSubgroupSizes(sizes, properties.properties.vendorID).empty()});
   return states;
 }
 

@@ -78,9 +78,10 @@ struct SubgroupSizes {
 };
 SubgroupSizes subgroupSizesOf(VkPhysicalDevice device);
 inline constexpr std::uint32_t kNarrowestSubgroup = 4, kWidestSubgroup = 64;
-/// The size that all pipelines have: the usual one, and at most kWidestSubgroup. Of Intel's GPUs 16: their compiler has
-/// the most registers for it, and full subgroups without a required size would get 32. 0 if there is no such size.
-std::uint32_t chooseSubgroupSize(const SubgroupSizes& sizes, std::uint32_t vendor);
+/// The sizes that all pipelines can have, at most kWidestSubgroup, the best one first: the usual one, or of Intel's
+/// GPUs 16, since their compiler has the most registers for it, and full subgroups without a required size would
+/// get 32. The others are for drivers that are wrong with it. Empty if there is no such size.
+std::vector<std::uint32_t> usableSubgroupSizes(const SubgroupSizes& sizes, std::uint32_t vendor);
 
 /// The limits that every pipeline fits or adapts to: Vulkan itself guarantees only 128 invocations.
 inline constexpr std::uint32_t kFewestInvocations = 256, kMinSharedBytes = 16 * 1024;

@@ -25,12 +25,27 @@ VkShaderModule makeModule(Device& device, const ShaderCode& code) {
 }  // namespace
 
 PipelineStore::Compiled PipelineStore::get(const Key& key, const std::function<Compiled()>& compile) {
-  const std::scoped_lock hold(lock_);
-  if (const auto found = compiled_.find(key); found != compiled_.end()) return found->second;
-  return compiled_.emplace(key, compile()).first->second;
+  std::unique_lock hold(lock_);
+  while (!compiled_.try_emplace(key).second) {  // another thread has begun with it
+    if (const auto& compiled = compiled_.at(key)) return *compiled;
+    ended_.wait(hold);
+  }
+  hold.unlock();
+  try {
+    const Compiled compiled = compile();
+    hold.lock();
+    ended_.notify_all();
+    return *(compiled_.at(key) = compiled);
+  } catch (...) {
+    if (!hold.owns_lock()) hold.lock();
+    compiled_.erase(key);
+    ended_.notify_all();
+    throw;
+  }
 }
 
 VkShaderModule PipelineStore::keptModule(Device& device, const ShaderCode& code) {
+  const std::scoped_lock hold(lock_);
   if (!kept_.contains(&code))
     for (const ShaderCode* each : code.table) kept_.emplace(each, makeModule(device, *each));
   return kept_.at(&code);
@@ -40,9 +55,9 @@ void PipelineStore::destroyAll(Device& device) {
   for (const auto& [code, module] : kept_) device.vk().vkDestroyShaderModule(device.handle(), module, nullptr);
   kept_.clear();
   for (const auto& [key, compiled] : compiled_) {
-    device.vk().vkDestroyPipeline(device.handle(), compiled.pipeline, nullptr);
-    device.vk().vkDestroyPipelineLayout(device.handle(), compiled.layout, nullptr);
-    device.vk().vkDestroyDescriptorSetLayout(device.handle(), compiled.images, nullptr);
+    device.vk().vkDestroyPipeline(device.handle(), compiled->pipeline, nullptr);
+    device.vk().vkDestroyPipelineLayout(device.handle(), compiled->layout, nullptr);
+    device.vk().vkDestroyDescriptorSetLayout(device.handle(), compiled->images, nullptr);
   }
   compiled_.clear();
 }

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "engine/gpu/shader_code.hpp"
@@ -30,6 +32,7 @@ class PipelineStore {
   /// Everything that distinguishes pipelines, the addresses of their shaders' words first.
   using Key = std::vector<std::uint64_t>;
 
+  /// Several threads may compile at once.
   Compiled get(const Key& key, const std::function<Compiled()>& compile);
   /// From now on shaders are replaced by their twins, if they have any; null stops that.
   void watchBy(const WorkgroupWatch* watch) { watch_ = watch; }
@@ -42,7 +45,8 @@ class PipelineStore {
  private:
   std::atomic<const WorkgroupWatch*> watch_ = nullptr;
   std::mutex lock_;
-  std::map<Key, Compiled> compiled_;
+  std::condition_variable ended_;                    // a compilation
+  std::map<Key, std::optional<Compiled>> compiled_;  // empty while it is compiled
   std::map<const ShaderCode*, VkShaderModule> kept_;
 };
 
