@@ -81,11 +81,11 @@ Log& Context::log() {
 
 Device& Context::device() {
   if (!device_)
-    device_ = std::make_unique<Device>(DeviceOptions{.gpu = gpu_,
-                                                     .validation = validation(),
-                                                     .queues = queues_,
-                                                     .shows = shows_,
-                                                     .windowExtensions = windowExtensions_});
+    device_ = openProven({.gpu = gpu_,
+                          .validation = validation(),
+                          .queues = queues_,
+                          .shows = shows_,
+                          .windowExtensions = windowExtensions_});
   return *device_;
 }
 

@@ -46,43 +46,58 @@ Json toJson(const ProvedPrimitive& each) {
           {"compile_ms", each.compile_ms}};
 }
 
+Json toJson(const SizeProof& proof) {
+  Json primitives = Json::array();
+  if (proof.proof)
+    for (const ProvedPrimitive& each : proof.proof->primitives) primitives.push_back(toJson(each));
+  return {{"subgroup_size", proof.subgroupSize},
+          {"wrong", proof.wrong()},
+          {"run_ms", proof.proof ? Json(proof.proof->run_ms()) : Json(nullptr)},
+          {"primitives", primitives},
+          {"substitute", nullptr}};
+}
+
+void print(std::FILE* out, const Device& device, const SizeProof& proof) {
+  fmt::print(out, "GPU: {}, driver {:#x}, subgroups of {}; shaders by {}\n", device.name(),
+             device.properties().driverVersion, proof.subgroupSize, compilerOfShaders());
+  if (!proof.proof) return;
+  for (const ProvedPrimitive& each : proof.proof->primitives)
+    fmt::print(out, "  {:<12}{:<7}{:>8.2f} ms, translated in {:.1f} ms{}{}\n", nameOf(kPrimitives, each.primitive),
+               each.wrong.empty() ? "right" : "WRONG", each.run_ms, each.compile_ms, each.wrong.empty() ? "" : ": ",
+               each.wrong);
+}
+
+std::string conclusion(std::span<const SizeProof> proofs) {
+  const SizeProof& last = proofs.back();
+  if (!last.proof)
+    return fmt::format("The driver has not answered for {:g} s: sessions in real time use the CPU", kProofWait_s);
+  if (!last.wrong().empty())
+    return fmt::format("Wrong: {}. Sessions in real time use the CPU; a newer driver may be right", last.wrong());
+  return fmt::format("All are right in {:.1f} ms: sessions in real time may use this GPU{}", last.proof->run_ms(),
+                     proofs.size() == 1 ? "" : fmt::format(", with subgroups of {}", last.subgroupSize));
+}
+
 }  // namespace
 
 Json gpuProof(std::FILE* out, const std::string& gpu, Validation validation) {
   const DeviceOptions options{.gpu = gpu, .validation = validation};
   const Device device(options);
-  const auto print = [&]<class... Args>(fmt::format_string<Args...> text, Args&&... args) {
-    if (out) fmt::print(out, text, std::forward<Args>(args)...);
-  };
-  print("GPU: {}, driver {:#x}, subgroups of {}; shaders by {}\n", device.name(), device.properties().driverVersion,
-        device.subgroupSize(), compilerOfShaders());
-  const std::optional<GpuProof> proof = proveWithin(kProofWait_s, options, optionsHere());
-  const std::string wrong = proof ? proof->wrong() : std::string(kNoProof);
-  const GpuProofs proofs;
-  proofs.remember(device, wrong);
-  Json primitives = Json::array();
-  for (const ProvedPrimitive& each : proof ? proof->primitives : std::vector<ProvedPrimitive>()) {
-    print("  {:<12}{:<7}{:>8.2f} ms, translated in {:.1f} ms{}{}\n", nameOf(kPrimitives, each.primitive),
-          each.wrong.empty() ? "right" : "WRONG", each.run_ms, each.compile_ms, each.wrong.empty() ? "" : ": ",
-          each.wrong);
-    primitives.push_back(toJson(each));
+  const std::vector<SizeProof> proofs = proveSizes(device, options, optionsHere());
+  Json found;
+  for (const SizeProof& each : proofs) {
+    if (out) print(out, device, each);
+    Json one = toJson(each);
+    if (found.is_null())
+      found = std::move(one);
+    else if (each.wrong().empty())
+      found["substitute"] = std::move(one);
   }
-  print("{}\n", wrong.empty()
-                    ? fmt::format("All are right in {:.1f} ms: sessions in real time may use this GPU", proof->run_ms())
-                : wrong == kNoProof ? fmt::format("The driver has not answered for {:g} s: sessions in real time use "
-                                                  "the CPU",
-                                                  kProofWait_s)
-                                    : fmt::format("Wrong: {}. Sessions in real time use the CPU; a newer driver may be "
-                                                  "right",
-                                                  wrong));
-  return {{"gpu", device.name()},
-          {"driver_version", device.properties().driverVersion},
-          {"subgroup_size", device.subgroupSize()},
-          {"shaders_by", compilerOfShaders()},
-          {"wrong", wrong},
-          {"run_ms", proof ? Json(proof->run_ms()) : Json(nullptr)},
-          {"primitives", primitives},
-          {"remembered", proofs.recall(device, [](std::string_view) {}).has_value()}};
+  found["gpu"] = device.name();
+  found["driver_version"] = device.properties().driverVersion;
+  found["shaders_by"] = compilerOfShaders();
+  found["remembered"] = GpuProofs().recall(device, [](std::string_view) {}).has_value();
+  if (out) fmt::print(out, "{}\n", conclusion(proofs));
+  return found;
 }
 
 void endAfterProof(const Json& proof) {

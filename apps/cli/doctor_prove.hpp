@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-/// Proves the GPU named by `gpu` (DeviceOptions), remembers the result, and prints it as a table unless `out` is null.
+/// Proves the GPU named by `gpu` (DeviceOptions), with other subgroup sizes if it is wrong with the best one, remembers
+/// the results, and prints them as tables unless `out` is null.
 /// A driver that hangs is reported like a wrong primitive.
 Json gpuProof(std::FILE* out, const std::string& gpu, Validation validation);
 

@@ -46,7 +46,7 @@ struct ProofOptions {
   std::optional<Primitive> fails;  ///< for tests: this one fails
   /// Called after each primitive.
   std::function<void(const ProvedPrimitive&)> proved = {};
-  /// Called before (true) and after the driver translates shaders, which may take long.
+  /// Called before (true) and after the driver translates shaders, which may take long; several threads do so at once.
   std::function<void(bool)> compiles = {};
 };
 

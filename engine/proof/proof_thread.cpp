@@ -16,7 +16,8 @@ struct Progress {
   std::mutex guard;
   std::condition_variable changed;
   std::uint64_t steps = 0;
-  bool compiles = true, ended = false;  // the device is opened first
+  int compiles = 1;  // translations in progress, and the device that is opened first
+  bool ended = false;
   std::optional<GpuProof> proof;
   std::exception_ptr failure;
 
@@ -40,11 +41,9 @@ std::optional<GpuProof> proveWithin(double wait_s, const DeviceOptions& gpu, con
         if (options.proved) options.proved(each);
         progress->note([] {});
       };
-      watched.compiles = [&](bool begins) {
-        progress->note([&] { progress->compiles = begins; });
-        if (options.compiles) options.compiles(begins);
-      };
+      watched.compiles = [&](bool begins) { progress->note([&] { progress->compiles += begins ? 1 : -1; }); };
       Device device(gpu);
+      progress->note([&] { --progress->compiles; });
       GpuProof proof = proveGpu(device, watched);
       progress->note([&] { progress->proof = std::move(proof); });
     } catch (...) {
@@ -56,7 +55,7 @@ std::optional<GpuProof> proveWithin(double wait_s, const DeviceOptions& gpu, con
   while (!progress->ended) {
     const std::uint64_t before = progress->steps;
     const auto moves = [&] { return progress->steps != before; };
-    if (progress->compiles)
+    if (progress->compiles > 0)
       progress->changed.wait(hold, moves);
     else if (!progress->changed.wait_for(hold, std::chrono::duration<double>(wait_s), moves))
       return std::nullopt;

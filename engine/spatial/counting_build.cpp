@@ -38,7 +38,7 @@ void CountingBuild::record(CommandList& list, const HashGrid& grid, const HashBu
                                       .grid = grid,
                                       .count = count,
                                       .unused = 0});
-  scan_.recordRanges(list, {counts_.address(), scanScratch_.address()}, ranges.address(), buckets_);
+  scan_.record(list, {counts_.address(), scanScratch_.address()}, ranges.address(), buckets_);
   if (order_ == BucketOrder::arrival) {
     list.dispatch(scatterPass_, count,
                   shared::HashScatterArgs{.keys = scratch.keys.address(),

@@ -24,7 +24,7 @@ class CountingBuild {
  private:
   std::uint32_t buckets_;
   BucketOrder order_;
-  PrefixScan scan_;
+  RangeScan scan_;
   ComputePipeline countPass_, placePass_, settlePass_, scatterPass_;
   Buffer counts_, scanScratch_, crowded_;
 };

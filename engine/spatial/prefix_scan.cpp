@@ -19,7 +19,10 @@ PipelineOptions options(std::size_t pushBytes) {
 
 PrefixScan::PrefixScan(Device& device)
     : reduce_(device, shader_code::spatial_prefix_scan_reduce, options(sizeof(shared::PrefixScanArgs))),
-      scan_(device, shader_code::spatial_prefix_scan, options(sizeof(shared::PrefixScanArgs))),
+      scan_(device, shader_code::spatial_prefix_scan, options(sizeof(shared::PrefixScanArgs))) {}
+
+RangeScan::RangeScan(Device& device)
+    : reduce_(device, shader_code::spatial_prefix_scan_reduce, options(sizeof(shared::PrefixScanArgs))),
       ranges_(device, shader_code::spatial_bucket_ranges, options(sizeof(shared::BucketRangesArgs))) {}
 
 std::uint64_t PrefixScan::scratchBytes(std::uint64_t count) { return tilesFor(count) * sizeof(std::uint32_t); }
@@ -41,7 +44,7 @@ void PrefixScan::record(CommandList& list, std::span<const Io> arrays, std::uint
   forEach(scan_);
 }
 
-void PrefixScan::recordRanges(CommandList& list, const Io& io, DeviceAddress ranges, std::uint32_t count) const {
+void RangeScan::record(CommandList& list, const PrefixScan::Io& io, DeviceAddress ranges, std::uint32_t count) const {
   const std::uint32_t tiles = tilesFor(count);
   const std::uint64_t threads = std::uint64_t{tiles} * shared::kScanWorkgroup;
   if (tiles > 1)

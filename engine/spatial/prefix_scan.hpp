@@ -20,12 +20,21 @@ class PrefixScan {
   void record(CommandList& list, const Io& io, std::uint32_t count) const;
   /// The same for several arrays of `count` values, each with its own scratch, in parallel.
   void record(CommandList& list, std::span<const Io> arrays, std::uint32_t count) const;
-  /// Scans counts into ranges: `ranges` receives the first and one-past-last index of each of `count` values (uvec2);
-  /// the counts become zero.
-  void recordRanges(CommandList& list, const Io& io, DeviceAddress ranges, std::uint32_t count) const;
 
  private:
-  ComputePipeline reduce_, scan_, ranges_;
+  ComputePipeline reduce_, scan_;
+};
+
+/// The same of counts, into ranges: `ranges` receives the first and one-past-last index of each of `count` values
+/// (uvec2); the counts become zero.
+class RangeScan {
+ public:
+  explicit RangeScan(Device& device);
+
+  void record(CommandList& list, const PrefixScan::Io& io, DeviceAddress ranges, std::uint32_t count) const;
+
+ private:
+  ComputePipeline reduce_, ranges_;
 };
 
 }  // namespace palpate

@@ -54,7 +54,7 @@ struct GpuHalf::State {
   std::optional<SessionPicture> picture;
 
   Device& opened() {
-    if (!device) device = std::make_unique<Device>(DeviceOptions{.gpu = gpu});
+    if (!device) device = openProven({.gpu = gpu});
     return *device;
   }
 };
@@ -79,7 +79,8 @@ std::unique_ptr<BackendKind> GpuHalf::backend() {
                        [this](Device& device) {
                          const auto quietly = [](std::string_view) {};
                          return wrongOn(device, GpuProofs(), quietly, [&] {
-                           return state_->lent ? proveGpu(device).wrong() : proveHere({.gpu = state_->gpu});
+                           return state_->lent ? proveGpu(device).wrong()
+                                               : proveSizes(device, {.gpu = state_->gpu}).front().wrong();
                          });
                        });
 }

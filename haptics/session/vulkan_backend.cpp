@@ -39,9 +39,13 @@ class VulkanBackend final : public BackendKind {
   const Simulator* simulator() const override { return simulator_.get(); }
   void requireProof() const override {
     Device& gpu = device_();
-    if (const std::string wrong = prove_(gpu); !wrong.empty())
-      throw GpuError("{} may not move a hand: {} (palpate doctor --prove shows it); use the back end cpu", gpu.name(),
-                     wrong == kNoProof ? "its driver did not end a proof" : "wrong results of " + wrong);
+    const std::string wrong = prove_(gpu);
+    if (wrong.empty()) return;
+    const auto substitute = GpuProofs().substitute(gpu);
+    throw GpuError("{} may not move a hand: {} (palpate doctor --prove shows it); {}", gpu.name(),
+                   wrong == kNoProof ? "its driver did not end a proof" : "wrong results of " + wrong,
+                   substitute ? fmt::format("it is right with subgroups of {}, which the next start uses", *substitute)
+                              : "use the back end cpu");
   }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
     if (request.config.realtime) requireProof();

@@ -160,6 +160,33 @@ TEST_CASE("on Intel's GPUs every pass requires subgroups of 16") {
   ::unsetenv("LP_NATIVE_VECTOR_WIDTH");
 }
 
+TEST_CASE("a GPU that is wrong with its best size of subgroups is used with another that is right") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string(), json = (folder / "proof.json").string();
+  works("make sphere -n 3000 -o " + model);
+  useCacheIn(folder / "cache");
+  const std::string onGpu = "touch " + model + " --backend vulkan --realtime --rate 100 --duration 0.1";
+  ::setenv("LP_NATIVE_VECTOR_WIDTH", "256", 1);  // of 8 lanes, whatever is required
+  {
+    const LostGpuLayer layer(kMinGpu + ",vendorID=32902,minSubgroupSize=8,maxSubgroupSize=32");
+    checkEnds(1, onGpu,
+              {"may not move a hand: wrong results of", "right with subgroups of 8, which the next start uses"});
+    works(onGpu);
+    const Outcome proved = palpate("doctor --prove --json " + json);
+    CHECK_MESSAGE(proved.code == 0, proved.text);
+    CHECK(says(proved.text, "subgroups of 16; shaders by"));
+    CHECK(says(proved.text, "sessions in real time may use this GPU, with subgroups of 8"));
+    const auto proof = jsonOf(json)["proof"];
+    CHECK(proof["subgroup_size"] == 16);
+    CHECK(proof["wrong"] != "");
+    CHECK(proof["substitute"]["subgroup_size"] == 8);
+    CHECK(proof["substitute"]["wrong"] == "");
+  }
+  ::unsetenv("LP_NATIVE_VECTOR_WIDTH");
+  ::unsetenv("XDG_CACHE_HOME");
+  ::unsetenv("MESA_SHADER_CACHE_DIR");
+}
+
 TEST_CASE("a session in real time proves the GPU once, and uses the CPU where a primitive is wrong or hangs") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), json = (folder / "touch.json").string();
