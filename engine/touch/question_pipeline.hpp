@@ -92,6 +92,8 @@ class QuestionPipeline {
   const ContactStep& contact() const { return contact_; }
   bool asksAhead() const { return ahead_; }
   std::uint64_t answeredAhead() const { return answeredAhead_; }
+  /// Number of questions so far, those withdrawn included.
+  std::uint32_t count() const { return tick_; }
   /// Passes of the last answered question, with their times.
   std::vector<PassRecord> passes() const;
 

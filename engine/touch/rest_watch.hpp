@@ -1,13 +1,16 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
+#include "engine/core/contact_query.hpp"
 #include "engine/core/vec.hpp"
 
 namespace palpate {
 
-/// Tells whether all hands rest away from all surfaces: then no answer is urgent. Allocates nothing after construction.
+/// Tells whether all hands rest away from all surfaces: then no answer is urgent, and few are needed. Allocates nothing
+/// after construction.
 class RestWatch {
  public:
   /// `radius`: support radius, model units.
@@ -21,10 +24,19 @@ class RestWatch {
   }
   /// Whether all have rested for a moment.
   bool rests(double time_s) const { return time_s - stirred_s_ >= kAwake_s; }
+  /// Whether they rest still, and the answer to the question of `asked_s` is new enough to stand for them.
+  bool restsOn(std::span<const Pose> poses, double asked_s) const {
+    const double time_s = poses.front().time_s;
+    if (!rests(time_s) || time_s - asked_s >= kAsks_s) return false;
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      if (!(glm::distance(poses[i].hip, places_[i]) <= rests_)) return false;
+    return true;
+  }
 
  private:
-  static constexpr double kRests = 0.02;   // of the support radius, within which a hand rests
-  static constexpr double kAwake_s = 0.2;  // after its last motion
+  static constexpr double kRests = 0.02;    // of the support radius, within which a hand rests
+  static constexpr double kAwake_s = 0.2;   // after its last motion
+  static constexpr double kAsks_s = 0.016;  // between questions of hands that rest
 
   double rests_;
   std::vector<DVec3> places_;  // where each hand has last moved to
