@@ -41,7 +41,7 @@ palpate_tests(spatial LINKS palpate::spatial_host)
 palpate_tests(contact LINKS palpate::touch_host)
 palpate_tests(edit LINKS palpate::edit_host)
 # The cases of these run on the CPU here and on the GPU in tests_touch_gpu (touch/back_end.hpp).
-set(both_back_ends touch/bad_input_test.cpp touch/hands_test.cpp touch/limbs_test.cpp touch/moving_test.cpp
+set(both_back_ends touch/bad_input_test.cpp touch/hands_test.cpp touch/limbs_test.cpp touch/locked_test.cpp touch/moving_test.cpp
     touch/offered_test.cpp touch/press_test.cpp touch/stream_test.cpp touch/thin_parts_test.cpp
     touch/trench_test.cpp)
 palpate_tests(touch LINKS palpate::touch_host WITH touch/cpu_back_end.cpp allocation_count.cpp)
@@ -50,7 +50,7 @@ palpate_tests(haptics LINKS palpate::haptics WITH fake_devices/fake_haply.cpp al
 palpate_system_sources(tests_haptics fake_devices/mapped_note)
 add_dependencies(tests_haptics fake_drivers)
 # The cases of these run on the CPU here and on the GPU in tests_session_gpu (session/backend_kind.hpp).
-set(both_session_back_ends session/command_storm_test.cpp)
+set(both_session_back_ends session/command_storm_test.cpp session/masked_session_test.cpp)
 palpate_tests(session LINKS palpate::session WITH session/cpu_backend_kind.cpp fake_devices/fake_haply.cpp)
 palpate_system_sources(tests_session fake_devices/mapped_note)
 add_dependencies(tests_session fake_drivers)

@@ -13,9 +13,9 @@ namespace palpate {
 /// What a mask of a layer's points means.
 enum class MaskRole : std::uint8_t {
   selected,  ///< commands act on them
-  hidden,    ///< not drawn
-  locked,    ///< for brushes to leave as they are; none reads it yet
-  within     ///< for brushes to change alone, if there are any; none reads it yet
+  hidden,    ///< neither drawn nor felt
+  locked,    ///< brushes leave them as they are
+  within     ///< if there are any, brushes change no others
 };
 inline constexpr std::size_t kMaskRoles = static_cast<std::size_t>(MaskRole::within) + 1;  // the last
 

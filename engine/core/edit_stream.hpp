@@ -2,10 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 
 #include "engine/core/edit_batch.hpp"
+#include "engine/core/error.hpp"
 
 namespace palpate {
 
@@ -49,6 +51,18 @@ class EditStream {
   /// between queries. Throws Error where points cannot be edited, or if a point is not at the position in its change:
   /// then no point has changed, and take() reports nothing.
   virtual void change(std::span<const PointChange> changes) = 0;
+  /// From now on brushes leave these points as they are, and no others. Ends the stroke in progress; otherwise as
+  /// change(). Throws Error where points cannot be locked.
+  virtual void lock(const PointSet& points) {
+    if (!points.empty()) throw Error("points cannot be locked here");
+  }
+  /// From now on these points cannot be felt, and all others can. Otherwise as lock(), but take() reports nothing of
+  /// it; what others do to a hidden point it reports. `present`: the state of a point, according to all edits taken so
+  /// far; it is called until no point is hidden.
+  using PresentState = std::function<PointState(std::uint64_t point)>;
+  virtual void hide(const PointSet& points, const PresentState& /*present*/) {
+    if (!points.empty()) throw Error("points cannot be hidden here");
+  }
   /// Offers changes made elsewhere, at most mostOffered(), each point once. They are carried out between later answers,
   /// and no answer waits for them: a point that is not in its change's `from` state is unchanged. They do not end a
   /// stroke. take() reports their result once, with a mark of its own (EditMark::Kind::received). `changesFollowed`:

@@ -46,15 +46,30 @@ void PointSet::set(std::uint64_t point, bool on) {
   tidy(page);
 }
 
-void PointSet::flip(const PointSet& other) {
-  if (&other == this) return pages_.clear();
-  // What takes memory comes first: it changes no point.
+// What takes memory comes first: it changes no point.
+template <class Change>
+void PointSet::change(const PointSet& other, Change&& change) {
   for (const auto& [number, page] : other.pages_) widen(pages_[number], page.size());
   for (const auto& [number, page] : other.pages_) {
     const auto own = pages_.find(number);
-    for (std::uint64_t k = 0; k < own->second.size(); ++k) own->second[k] ^= wordOf(page, k);
+    for (std::uint64_t k = 0; k < own->second.size(); ++k) change(own->second[k], wordOf(page, k));
     tidy(own);
   }
+}
+
+void PointSet::flip(const PointSet& other) {
+  if (&other == this) return pages_.clear();
+  change(other, [](std::uint64_t& own, std::uint64_t word) { own ^= word; });
+}
+
+void PointSet::add(const PointSet& other) {
+  if (&other == this) return;
+  change(other, [](std::uint64_t& own, std::uint64_t word) { own |= word; });
+}
+
+void PointSet::remove(const PointSet& other) {
+  if (&other == this) return pages_.clear();
+  change(other, [](std::uint64_t& own, std::uint64_t word) { own &= ~word; });
 }
 
 std::uint64_t PointSet::count() const {

@@ -30,6 +30,9 @@ class PointSet {
   std::uint64_t end() const;
   /// Becomes the symmetric difference with `other`; the same call again undoes that. Keeps its points if memory is out.
   void flip(const PointSet& other);
+  /// Becomes the union with `other`, or the difference from it.
+  void add(const PointSet& other);
+  void remove(const PointSet& other);
 
   /// Calls use(k, word) with the points from 64 k on, the first one in the lowest bit, for the words that are not zero,
   /// ascending.
@@ -64,6 +67,8 @@ class PointSet {
     return page.empty() ? 0 : page[page.size() == 1 ? 0 : k];
   }
   static void widen(Page& page, std::size_t words);
+  template <class Change>
+  void change(const PointSet& other, Change&& change);
   void tidy(std::map<std::uint64_t, Page>::iterator page);
 
   std::map<std::uint64_t, Page> pages_;  // by number; none is without points

@@ -61,7 +61,8 @@ constexpr std::size_t kMaxNeighbours = 2048;
 }  // namespace
 
 PlacedBrush::Seen CpuSculpture::seenBy(const PlacedBrush& brush, std::uint32_t point) const {
-  return {DVec3(points_.positions[point]), DVec3(points_.normals[point]), points_.strokes[point] == brush.stroke()};
+  return {DVec3(points_.positions[point]), DVec3(points_.normals[point]), points_.strokes[point] == brush.stroke(),
+          isLocked(point)};
 }
 
 ResampleNeighbour CpuSculpture::seen(std::uint32_t number) const {
@@ -250,7 +251,7 @@ void CpuSculpture::insertClaimed() {
   forEachRequest([&](std::uint32_t point, const Request& request) {
     if (!claims_.stands(request.place, point)) return;
     claims_.grant(request.place);
-    const std::uint32_t parent = request.takesAfterOther ? request.other : point;
+    const std::uint32_t parent = request.takesAfterOther && !isLocked(request.other) ? request.other : point;
     const std::uint32_t added = points_.insertBetween(point, request.other, parent, request.place);
     makeRoom();
     points_.reaches[added - points_.fromFile] = request.reach;

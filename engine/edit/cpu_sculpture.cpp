@@ -182,6 +182,11 @@ void CpuSculpture::set(std::span<const PointChange> changes) {
   receive(changes);
 }
 
+void CpuSculpture::lock(const PointSet& points) {
+  locked_.assign((points.end() + 63) / 64, 0);
+  points.forWords([&](std::uint64_t k, std::uint64_t word) { locked_[k] = word; });
+}
+
 void CpuSculpture::followInIndex() {
   if (strayed_.empty()) return;
   const std::uint64_t builds = grid_.builds();
@@ -289,7 +294,7 @@ void CpuSculpture::brush(const PlacedBrush& brush, std::size_t number, Slice& sl
       points_.prefetchNormal(near.number);
       slice.measured.push_back(near);
     }
-    if (brush.mayAffect(DVec3(near.position))) slice.reached.push_back(near.number);
+    if (brush.mayAffect(DVec3(near.position)) && !isLocked(near.number)) slice.reached.push_back(near.number);
   });
   if (!slice.measured.empty()) measure(brush, slice);
   brushEach(brush, slice);

@@ -1,6 +1,7 @@
 // One tick of sculpting in double precision on the CPU, with every brush, at the cost of the points that it touches.
 #pragma once
 
+#include "engine/core/point_set.hpp"
 #include "engine/edit/placed_brush.hpp"
 #include "engine/edit/resampling.hpp"
 #include "engine/edit/sculpted_points.hpp"
@@ -76,6 +77,8 @@ class CpuSculpture {
   void set(std::span<const PointChange> changes);
   /// The same in a stroke: other points that are unsettled remain so.
   void receive(std::span<const PointChange> changes);
+  /// From now on brushes leave these points as they are, and no others. While all points are settled.
+  void lock(const PointSet& points);
 
  private:
   // Work that fits into a tick, and points that it is enough for.
@@ -131,6 +134,9 @@ class CpuSculpture {
   void makeRoom();
   void tellOf(std::uint32_t point);
   void takeSwallowed();
+  bool isLocked(std::uint32_t point) const {
+    return point / 64 < locked_.size() && (locked_[point / 64] >> point % 64 & 1) != 0;
+  }
 
   SculptOptions options_;
   SculptedPoints points_;
@@ -210,6 +216,7 @@ class CpuSculpture {
   std::vector<Blocked> isBlocked_;      // by point
   std::vector<std::uint32_t> blocked_;  // all for which it is not `no`; each once
   std::uint32_t blockedBy_ = 0;         // the stroke
+  std::vector<std::uint64_t> locked_;   // a bit for each point, up to the last one
 };
 
 }  // namespace palpate

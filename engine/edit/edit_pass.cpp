@@ -40,6 +40,22 @@ void EditPass::setBrush(const BrushOptions& brush) {
   uploadTables();
 }
 
+void EditPass::lock(const PointSet& points) {
+  constexpr std::uint32_t kBits = 32;
+  if (!locked_ && points.empty()) return;
+  PALPATE_CHECK_LE(points.end(), std::uint64_t{live_.slots()});
+  const bool isFirst = !locked_;
+  if (isFirst)
+    locked_ = Buffer::of<std::uint32_t>(device_, 2 * (live_.slots() / (2 * kBits) + 1), Memory::device, "locked");
+  std::vector<std::uint32_t> words(locked_->bytes() / sizeof(std::uint32_t));
+  points.forWords([&](std::uint64_t k, std::uint64_t word) {
+    words[2 * k] = static_cast<std::uint32_t>(word);
+    words[2 * k + 1] = static_cast<std::uint32_t>(word >> kBits);
+  });
+  upload(device_, *locked_, words);
+  if (isFirst) uploadTables();
+}
+
 void EditPass::uploadTables() {
   upload(device_, tables_,
          std::vector<shared::PointTables>{{.colors = colors_.bytes() == 0 ? 0 : colors_.address(),
@@ -57,6 +73,7 @@ void EditPass::uploadTables() {
                                            .marks = update_.marks(),
                                            .touched = update_.touched(),
                                            .movesOf = update_.bySlot(),
+                                           .locked = locked_ ? locked_->address() : 0,
                                            .firstNew = live_.count(),
                                            .ids = live_.slots(),
                                            .mostMoves = update_.mostMoves(),
@@ -209,7 +226,7 @@ std::uint64_t EditPass::mostLogged(Reach reach) const { return hasBox(reach) ? u
 
 std::uint64_t EditPass::bytes() const {
   return update_.bytes() + resample_.bytes() + moves_.bytes() + given_.bytes() + tables_.bytes() + colors_.bytes() +
-         parents_.bytes() + founds_.bytes();
+         parents_.bytes() + founds_.bytes() + (locked_ ? locked_->bytes() : 0);
 }
 
 std::uint64_t EditPass::predictedBytes(std::uint64_t points, bool colors) {

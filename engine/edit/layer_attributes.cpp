@@ -24,6 +24,16 @@ void copyValue(Attribute& values, std::uint64_t from, std::uint64_t to) {
 
 }  // namespace
 
+PointSet LayerAttributes::locked(std::span<const PointState> states) const {
+  PointSet locked;
+  if (const PointSet within = existing(mask(MaskRole::within), states); !within.empty()) {
+    locked = PointSet::range(0, states.size());
+    locked.remove(within);
+  }
+  locked.add(mask(MaskRole::locked));
+  return locked;
+}
+
 std::optional<std::uint32_t> LayerAttributes::fieldNamed(std::string_view name) const {
   const auto field =
       std::ranges::find(fields_, name, [](const Field& each) { return std::string_view(each.values.name); });

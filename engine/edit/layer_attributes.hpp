@@ -18,6 +18,8 @@ namespace palpate {
 class LayerAttributes {
  public:
   const PointSet& mask(MaskRole role) const { return masks_[static_cast<std::size_t>(role)]; }
+  /// Those that brushes leave as they are. `states`: by number.
+  PointSet locked(std::span<const PointState> states) const;
   bool hasMasks() const { return !std::ranges::all_of(masks_, &PointSet::empty); }
   const std::vector<Field>& fields() const { return fields_; }
   std::optional<std::uint32_t> fieldNamed(std::string_view name) const;

@@ -16,8 +16,8 @@ PlacedBrush::Point PlacedBrush::brushed(const DVec3& place, const DVec3& normal,
 }
 
 bool PlacedBrush::movesAlong(const Seen& seen) const {
-  return seen.isOfStroke || !(glm::distance(seen.position, tool_.middle) < tool_.reach) ||
-         actsOn({seen.position, seen.normal, 0});
+  if (seen.isOfStroke || seen.stays) return seen.isOfStroke;
+  return !(glm::distance(seen.position, tool_.middle) < tool_.reach) || actsOn({seen.position, seen.normal, 0});
 }
 
 PlacedBrush::Path PlacedBrush::path(const DVec3& place, const Found& found, double spacing) const {

@@ -41,6 +41,7 @@ class PlacedBrush {
   struct Seen {
     DVec3 position, normal;
     bool isOfStroke = false;  ///< this stroke has moved it
+    bool stays = false;       ///< no brush moves it
   };
   /// The path of a point that this stroke has moved. `spacing`: its target, model units.
   using Path = shared::PathOf<double>;

@@ -63,6 +63,9 @@ class CpuEdits {
   /// As EditStream::change(), at `time_s`, while nothing is in progress. Throws Error.
   void change(std::span<const PointChange> changes, double time_s);
 
+  /// As EditStream::lock(), while nothing is in progress.
+  void lock(const PointSet& points) { sculpture_.lock(points); }
+
   EditQueue& queue() { return queue_; }
   const EditQueue& queue() const { return queue_; }
   OfferedChanges& offered() { return offered_; }

@@ -296,6 +296,11 @@ void CpuTouch::change(std::span<const PointChange> changes) {
   edits_.change(changes, hands_.front().probes.ownPose().time_s);
 }
 
+void CpuTouch::lock(const PointSet& points) {
+  finish();
+  edits_.lock(points);
+}
+
 void CpuTouch::finish() {
   if (failure_) std::rethrow_exception(failure_);
   edits_.finish();

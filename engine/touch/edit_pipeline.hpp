@@ -71,12 +71,16 @@ class EditPipeline {
   void finish();
   /// As EditStream::change(). Waits.
   void change(std::span<const PointChange> changes);
+  /// As EditStream::lock(). While nothing is in progress.
+  void lock(const PointSet& points) { pass_.lock(points); }
   /// As TouchBackend::readBack().
   std::size_t readBack(PointCloud& cloud) const;
 
   OfferedChanges& offered() { return offered_; }
   const OfferedChanges& offered() const { return offered_; }
   bool isUnderWay() const { return last_.isUnderWay || offer_.isUnderWay; }
+  /// Whether something is in progress, or waits for the next answer.
+  bool hasWork() const { return isUnderWay() || offered_.isThere() || index_.isCompacting(); }
   const EditPass& pass() const { return pass_; }
   BlockedMoves blocked() const noexcept { return blocked_.sum(); }  ///< EditStream::blocked()
   /// Passes of the last edit; before any edit, of the next one.

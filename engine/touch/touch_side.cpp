@@ -171,6 +171,7 @@ bool TouchSide::isAnsweredWithin(std::span<const Pose> poses, double budget_us) 
   const Stopwatch watch;
   const bool realtime = budget_us > 0;
   const double now_s = poses.front().time_s;
+  if (realtime && mayRepeat(poses)) return true;
   // No new question while one is in flight.
   if (questions_.isOut() && !lateAnswerIsIn(now_s, budget_us)) return false;
   if (realtime && !questions_.mayAskWithin(budget_us)) return false;
@@ -180,6 +181,14 @@ bool TouchSide::isAnsweredWithin(std::span<const Pose> poses, double budget_us) 
   }
   submitQuestion(poses, realtime);
   return answerWithin(realtime ? std::max(kPoll_us, budget_us - watch.elapsed_us()) : 0, now_s);
+}
+
+// What moves by itself, and what waits to be done after an answer, needs questions; so does a tool of many points,
+// which may rotate.
+bool TouchSide::mayRepeat(std::span<const Pose> poses) const {
+  const bool isPoint = states_.size() == hands_.size();
+  return questions_.state() == QuestionState::ending && isPoint && !frames_.move() && !(edits_ && edits_->hasWork()) &&
+         rest_.restsOn(poses, questions_.question().time_s);
 }
 
 bool TouchSide::isFiniteAt(std::span<const Pose> poses) const {
@@ -395,6 +404,15 @@ void TouchSide::change(std::span<const PointChange> changes) {
   edits_->change(changes);
   record_.answered = record_.log.published();
   bridge_->edited(hands_.front().probes.ownPose().time_s);
+}
+
+void TouchSide::lock(const PointSet& points) {
+  if (!edits_) {
+    if (points.empty()) return;
+    throw Error("{}: points can only be locked where they can be edited", device_.name());
+  }
+  finish();
+  edits_->lock(points);
 }
 
 std::size_t TouchSide::readBack(PointCloud& cloud) const {

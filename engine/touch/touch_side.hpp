@@ -33,6 +33,9 @@ namespace palpate {
 /// only while a hand moves or is near a surface, so that the GPU rests with the hand. A question that receives no pose
 /// in time times out, and the next pose is submitted in the ordinary way.
 ///
+/// While all hands rest so, only some ticks ask the GPU, which may lower its clock; the last answer stands for the
+/// others.
+///
 /// A tool of many points is one question with a probe for each point and one for the HIP, where the brush works; one
 /// dispatch answers all probes. While the answer is late, the patch answers for the points that it covers, each with a
 /// proxy that continues from the GPU's; the other points keep their last tangent plane (heldContact). Further hands are
@@ -77,6 +80,8 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   bool asksAhead() const { return questions_.asksAhead(); }
   /// Whether one waits on the GPU for its pose.
   bool waitsForPose() const { return questions_.state() == QuestionState::waitingForPose; }
+  /// Number of questions so far: fewer than poses while all hands rest away from all surfaces.
+  std::uint32_t questions() const { return questions_.count(); }
   /// Number of questions answered that way.
   std::uint64_t answeredAhead() const { return questions_.answeredAhead(); }
 
@@ -112,6 +117,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   }
   BlockedMoves blocked() const noexcept override { return edits_ ? edits_->blocked() : BlockedMoves{}; }
   void change(std::span<const PointChange> changes) override;
+  void lock(const PointSet& points) override;
   bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
     return edits_ && edits_->offered().give(changes, changesFollowed);
   }
@@ -138,6 +144,8 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   bool isFiniteAt(std::span<const Pose> poses) const;
   // Asks one tick. False if the answer is late.
   bool isAnsweredWithin(std::span<const Pose> poses, double budget_us);
+  // Whether the last answer also answers these poses: hands that rest away from all surfaces.
+  bool mayRepeat(std::span<const Pose> poses) const;
   void submitQuestion(std::span<const Pose> poses, bool realtime);
   // Takes the answer if it arrives within the budget (0: no limit). `now_s`: time of the present pose.
   bool answerWithin(double budget_us, double now_s);

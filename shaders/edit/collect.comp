@@ -50,8 +50,9 @@ void main() {
         if (reached) {
           found = foundPoint(id, position.xyz, normal.xyz);
           moves = brushedMove(slot, position, normal, found, move);
-          blocked = isBlocked(position, normal, found);
-          if (mayBlock(brush, found)) noteBlocked(id);
+          const bool free = !isLocked(args.tables, id);
+          blocked = free && isBlocked(position, normal, found);
+          if (free && mayBlock(brush, found)) noteBlocked(id);
           reached = isSampled(id, tool.sampling);
         }
         if (moves) noteReached(id, position.xyz, found);

@@ -125,6 +125,7 @@ void noteYielding(uint at, uint slot) {
 // Whether the brush moves a neighbour, or does not reach it.
 bool movesAlong(uint id, vec3 position, vec3 normal) {
   if (args.tables.at[0].founds.at[id].stroke == tool.stroke) return true;
+  if (isLocked(args.tables, id)) return false;
   const vec3 away = position - tool.middle;
   if (!(dot(away, away) < tool.reach * tool.reach)) return true;
   const uint cell = connectedCell(tool, FoundPoint(position, normal, 0.0));
@@ -361,7 +362,8 @@ void requestFor(uint id, vec3 center, uint sector) {
   args.lists.requests[at].found = 0.5 * (ends.position + ends.otherPosition);
   args.lists.requests[at].foundNormal = middleNormal(ends.normal, ends.otherNormal);
   args.lists.requests[at].color = middleColor(colorOf(args.tables, id), colorOf(args.tables, gap.id));
-  args.lists.requests[at].parent = parentOf(args.tables, targetOf(gap.id) > self.spacing ? gap.id : id);
+  const bool takesAfterOther = targetOf(gap.id) > self.spacing && !isLocked(args.tables, gap.id);
+  args.lists.requests[at].parent = parentOf(args.tables, takesAfterOther ? gap.id : id);
   args.lists.requests[at].other = gap.id;
   args.lists.requests[at].reach = reach - length(gap.offset);
   atomicMin(args.lists.claims[claimAt(claimsFor(args.radius), place)], id);

@@ -69,6 +69,7 @@ void noteBlocked(uint id) {
 bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out PointMove move) {
   const uint id = floatBitsToUint(position.w);
   move = stayingMove(slot, position, normal.xyz);
+  if (isLocked(args.tables, id)) return false;
   if (normal.w == kMarkGoes) {
     move.toBucket = kNoBucket;
     return true;

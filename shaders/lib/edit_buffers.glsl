@@ -37,6 +37,11 @@ bool isNull(Uints address) { return uvec2(address) == uvec2(0); }
 bool examines(ResampleLists lists) { return uvec2(lists) != uvec2(0); }
 bool resamples(Tables tables) { return tables.at[0].resamples != 0; }
 
+bool isLocked(Tables tables, uint id) {
+  if (isNull(tables.at[0].locked)) return false;
+  return (tables.at[0].locked.at[id / 32] >> id % 32 & 1) != 0;
+}
+
 uint colorOf(Tables tables, uint id) {
   if (isNull(tables.at[0].colors)) return 0;
   return tables.at[0].colors.at[id];

@@ -62,12 +62,13 @@ struct PointTables {
   PALPATE_ADDRESS(Uints) marks;
   PALPATE_ADDRESS(Uints) touched;
   PALPATE_ADDRESS(Uints) movesOf;
+  PALPATE_ADDRESS(Uints) locked;  // a bit for each id: brushes leave the point as it is
   uint firstNew;
   uint ids;
   uint mostMoves;  // capacity of the list; the same for requests
   uint resamples;  // 0: points look ahead, but none is inserted or merged
 };
-PALPATE_SIZE(PointTables, 136);
+PALPATE_SIZE(PointTables, 144);
 
 // Request of an examined point for the next tick: at least to be examined again.
 struct PointRequest {

@@ -64,6 +64,14 @@ TEST_CASE("a point set holds what was set, in whole, empty and mixed pages, thro
     PointSet undone = set;
     undone.flip(change);
     REQUIRE(undone == before);
+    PointSet both = before, without = before;
+    both.add(change);
+    without.remove(change);
+    const std::vector<bool> had = bitsOf(before), all = bitsOf(both), left = bitsOf(without);
+    for (std::uint64_t i = 0; i < kPoints; ++i) {
+      REQUIRE(all[i] == (had[i] || flipped[i]));
+      REQUIRE(left[i] == (had[i] && !flipped[i]));
+    }
   }
 }
 
