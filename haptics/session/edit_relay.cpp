@@ -101,16 +101,33 @@ void EditRelay::finish() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
-void EditRelay::exchange(AttributeChange& change, EditMark::Kind kind) {
+void EditRelay::exchange(AttributeChange& change, EditMark::Kind kind, bool inBackEnd) {
   changed_.marks.reserve(changed_.marks.size() + 1);
   changed_.attributes.push_back(change);
+  bool isExchanged = false;
   try {
     attributes_.exchange(change);
+    isExchanged = true;
+    if (const auto* const flip = std::get_if<MaskFlip>(&change); flip && inBackEnd) applyMask(flip->role);
   } catch (...) {
+    if (isExchanged) attributes_.exchange(change);
     changed_.attributes.pop_back();
     throw;
   }
   changed_.marks.push_back({0, kind});
+}
+
+void EditRelay::applyMask(MaskRole role) {
+  if (!edits_ || role == MaskRole::selected) return;
+  if (role == MaskRole::hidden)
+    edits_->hide(attributes_.mask(role), [this](std::uint64_t point) { return history_->points()[point]; });
+  else
+    edits_->lock(attributes_.locked(history_->points()));
+}
+
+void EditRelay::applyMasks() {
+  for (const MaskRole role : {MaskRole::locked, MaskRole::within, MaskRole::hidden})
+    if (!attributes_.mask(role).empty()) applyMask(role);
 }
 
 void EditRelay::change(AttributeChange change) {
@@ -127,7 +144,7 @@ EditBatch EditRelay::attributeHistory() {
                                      .shape = [](ShapeStroke&) { return false; },
                                      .attributes =
                                          [&](AttributeChange& change) {
-                                           exchange(change, kind);
+                                           exchange(change, kind, false);
                                            return true;
                                          }};
     return kind == EditMark::Kind::undone ? history_->undo(carriers) : history_->redo(carriers);

@@ -60,6 +60,8 @@ class EditRelay {
   EditBatch attributeHistory();
   /// Begins with recorded edits (followAgain()). Before the first query.
   void followAgain(const EditBatch& edits);
+  /// Applies the masks in the back end. Once all edits were taken.
+  void applyMasks();
 
   /// Null if nothing is followed.
   History* history() { return history_ ? &*history_ : nullptr; }
@@ -76,7 +78,9 @@ class EditRelay {
 
  private:
   void observe(const TraceRow& row);
-  void exchange(AttributeChange& change, EditMark::Kind kind);
+  // Exchanges a mask or a field; in the back end, too, if it has to know of it.
+  void exchange(AttributeChange& change, EditMark::Kind kind, bool inBackEnd = true);
+  void applyMask(MaskRole role);
   // Whether an edit log of bounded size may soon have no room for another edit.
   bool isNearlyFull() const;
   bool isHalfFull() const;

@@ -6,6 +6,7 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/job_stop.hpp"
+#include "haptics/session/hiding_touch.hpp"
 #include "haptics/session/recorded_contacts.hpp"
 #include "haptics/session/session_setup.hpp"
 #include "haptics/session/stream_model.hpp"
@@ -72,7 +73,8 @@ std::unique_ptr<TouchBackend> Session::makeTouch(const SessionParts& parts) {
                                   .fusion = fusion_,
                                   .engine = parts.engine});
   farTouch_ = made.far;
-  return std::move(made.touch);
+  if (farTouch_ || !parts.keepsPoints) return std::move(made.touch);
+  return std::make_unique<HidingTouch>(std::move(made.touch));
 }
 
 std::vector<std::unique_ptr<EditFollower>> Session::make(const std::vector<FollowerMaker>& makers) const {

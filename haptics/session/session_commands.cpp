@@ -182,6 +182,7 @@ void Session::followAgain(const EditBatch& edits) {
   }
   if (!changes.empty()) backend_->edits()->change(changes);
   catchUp();
+  relay_.applyMasks();
 }
 
 std::shared_ptr<PlayedStream> Session::releaseStream(double time_s) {

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
 #include "tests/error_of.hpp"

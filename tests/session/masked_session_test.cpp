@@ -1,0 +1,207 @@
+// Hidden points cannot be felt, and locked ones cannot be changed, on each back end; undo, logs and other sessions
+// restore both.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "haptics/session/session_replay.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/session/backend_kind.hpp"
+#include "tests/session/session_scene.hpp"
+
+namespace palpate::masked_session_test {
+
+namespace {
+
+SessionConfig pushing() {
+  SessionConfig config{.model = {.file = "sphere"}, .backend = {.name = std::string(backendKind()->name())}};
+  config.model.mm_per_unit = 1;
+  config.brush = BrushConfig{.yieldDepth_mm = 0.3, .radius_mm = 8};
+  config.rate_Hz = onCpuOrGpu(1000.0, 500.0);
+  return config;
+}
+
+struct Masked {
+  explicit Masked(std::size_t points = 16'000) : model(sphereModel(points)), session(pushing(), model, parts()) {}
+  SessionParts parts() const { return {.backend = *kind, .threads = 1, .keepsPoints = true, .undo = {1 << 26}}; }
+
+  template <class Chosen>
+  PointSet where(Chosen&& chosen) const {
+    PointSet set;
+    for (std::uint64_t i = 0; i < model.cloud.size(); ++i)
+      if (chosen(model.cloud.positions[i])) set.set(i);
+    return set;
+  }
+  // Largest force of a stroke across the top, N.
+  double stroke(const DVec3& direction = {0.02, 0, 1}) {
+    const ServoResult result = runAlone(session, strokeFrom(direction, 2));
+    session.finish();
+    double most_N = 0;
+    for (const TraceRow& row : result.trace().rows) {
+      CHECK(row.valid);
+      most_N = std::max(most_N, glm::length(row.force_N));
+    }
+    return most_N;
+  }
+  std::vector<PointState> points() const {
+    const PointStates& states = session.history()->points();
+    return {states.begin(), states.end()};
+  }
+
+  std::unique_ptr<BackendKind> kind = backendKind();
+  Model model;
+  Session session;
+};
+
+std::size_t changedAmong(const PointSet& points, const std::vector<PointState>& before,
+                         const std::vector<PointState>& after) {
+  std::size_t changed = 0;
+  points.forEach([&](std::uint64_t point) { changed += !isSameToTheBit(before[point], after[point]); });
+  return changed;
+}
+
+// Whether the points are as before, and what was new is gone.
+bool areAsBefore(const std::vector<PointState>& before, const std::vector<PointState>& after) {
+  return after.size() >= before.size() && std::equal(before.begin(), before.end(), after.begin()) &&
+         std::ranges::all_of(std::span(after).subspan(before.size()), &PointState::gone);
+}
+
+bool isTop(const Vec3& position) { return position.z > 20; }
+bool isRight(const Vec3& position) { return position.x > 0; }
+
+}  // namespace
+
+TEST_CASE(
+    "hidden points cannot be felt or changed, are saved, and are felt again when they are shown or it is undone") {
+  Masked scene;
+  const PointSet top = scene.where(isTop);
+  const std::vector<PointState> before = scene.points();
+  scene.session.setMask(MaskRole::hidden, top);
+  CHECK(scene.stroke() == 0);
+  CHECK(areAsBefore(before, scene.points()));
+  CHECK(scene.session.strokes().strokes == 0);
+  CHECK(scene.session.sculpted().cloud.positions == scene.model.cloud.positions);
+  CHECK(scene.stroke({0, 0, -1}) > 0.3);  // the bottom is there
+  CHECK(changedAmong(top, before, scene.points()) == 0);
+  CHECK(scene.session.undo(1, 0).undone == 1);
+  CHECK(areAsBefore(before, scene.points()));
+
+  scene.session.setMask(MaskRole::hidden, {});
+  CHECK(scene.stroke() > 0.3);
+  CHECK(changedAmong(top, before, scene.points()) > 5);
+  CHECK(scene.session.undo(2, 0).undone == 2);  // the stroke, and that they were shown
+  CHECK(areAsBefore(before, scene.points()));
+  CHECK(scene.stroke() == 0);
+  CHECK(scene.session.undo(1, 0).undone == 1);  // that they were hidden
+  CHECK(scene.stroke() > 0.3);
+}
+
+TEST_CASE("a stroke beside hidden points changes none of them, and what it undoes and redoes is the same") {
+  Masked scene;
+  const PointSet right = scene.where(isRight);
+  const std::vector<PointState> before = scene.points();
+  scene.session.setMask(MaskRole::hidden, right);
+  CHECK(scene.stroke({-0.3, 0, 1}) > 0.3);
+  const std::vector<PointState> after = scene.points();
+  CHECK(changedAmong(right, before, after) == 0);
+  CHECK(scene.session.strokes().strokes == 1);
+  scene.session.undo(1, 0);
+  CHECK(areAsBefore(before, scene.points()));
+  scene.session.undo(0, 1);
+  CHECK(scene.points() == after);
+  // Shown again they are where they were: the hand feels the surface there.
+  scene.session.setMask(MaskRole::hidden, {});
+  CHECK(scene.points() == after);
+  CHECK(scene.stroke({0.6, 0, 1}) > 0.3);
+  CHECK(changedAmong(right, after, scene.points()) > 5);
+}
+
+TEST_CASE("brushes change no locked points, and where some are within, these alone") {
+  Masked scene;
+  const PointSet right = scene.where(isRight);
+  PointSet left = PointSet::range(0, scene.model.cloud.size());
+  left.remove(right);
+  for (const MaskRole role : {MaskRole::locked, MaskRole::within}) {
+    CAPTURE(static_cast<int>(role));
+    const PointSet& kept = role == MaskRole::locked ? right : left;
+    const PointSet& changed = role == MaskRole::locked ? left : right;
+    const std::vector<PointState> before = scene.points();
+    scene.session.setMask(role, right);
+    CHECK(scene.stroke() > 0.3);  // it is felt all the same
+    CHECK(changedAmong(kept, before, scene.points()) == 0);
+    CHECK(changedAmong(changed, before, scene.points()) > 5);
+    CHECK(scene.session.undo(2, 0).undone == 2);
+    scene.stroke();
+    CHECK(changedAmong(kept, before, scene.points()) > 5);
+    CHECK(scene.session.undo(1, 0).undone == 1);
+  }
+}
+
+TEST_CASE("a recorded session repeats hidings and locks in contact, bit by bit") {
+  const ScratchFolder folder;
+  const std::string log = (folder / "masks.palpate").string();
+  Masked scene;
+  const PathHand hand(strokeFrom({0.02, 0, 1}, 2, 0.4));
+  const OpenHand open = hand.hand();
+  scene.session.record(log, open);
+  std::size_t ticks = 0;
+  const auto command = [&] {
+    ++ticks;
+    const std::size_t at = static_cast<std::size_t>(scene.session.config().rate_Hz);
+    if (ticks == at / 8) scene.session.setMask(MaskRole::locked, scene.where(isRight));
+    if (ticks == at / 5) scene.session.setMask(MaskRole::hidden, scene.where(isTop));
+    if (ticks == at / 4) scene.session.setMask(MaskRole::hidden, {});
+  };
+  RunOptions options;
+  options.before = [&](std::uint64_t) { command(); };
+  scene.session.run({&open, 1}, options);
+  scene.session.finish();
+  scene.session.endRecording();
+  CHECK(scene.session.strokes().strokes > 0);
+
+  const Backends backends = theBackends();
+  Log silent(true);
+  const ReplayParts parts{.backends = backends, .log = silent, .threads = 1, .cloud = &scene.model.cloud};
+  Recorded recorded = loadRecorded(log, parts);
+  const SessionAgain again = runAgain(recorded, parts);
+  const ReplayOutcome outcome = compareRuns(recorded, again, 0);
+  CHECK(outcome.comparable.because == "");
+  CHECK(outcome.differences.ends);
+  CHECK(outcome.differences.forceTicks == 0);
+  CHECK(outcome.differences.points == 0);
+}
+
+TEST_CASE("a session that begins with the masks of another one feels and changes the same points") {
+  Masked first;
+  const PointSet top = first.where(isTop);
+  first.session.setMask(MaskRole::hidden, top);
+  first.session.setMask(MaskRole::locked, first.where([](const Vec3& position) { return position.z < -20; }));
+  const EditBatch history = first.session.attributeHistory();
+  CHECK(first.stroke() == 0);  // the history was read without showing them
+  Masked next;
+  next.session.followAgain(history);
+  const std::vector<PointState> before = next.points();
+  CHECK(next.stroke() == 0);
+  CHECK(next.stroke({0, 0, -1}) > 0.3);
+  CHECK(areAsBefore(before, next.points()));
+  CHECK(next.stroke({1, 0, 0}) > 0.3);
+  CHECK(next.points() != before);
+}
+
+TEST_CASE("points are hidden and locked only where they can be edited, and a refusal changes nothing") {
+  Masked scene;
+  SessionConfig config = pushing();
+  config.brush.reset();
+  Session felt(config, scene.model, scene.parts());
+  const PointSet top = scene.where(isTop);
+  if (!kOnGpu) return;  // the CPU can
+  CHECK_THROWS_AS(felt.setMask(MaskRole::hidden, top), Error);
+  CHECK_THROWS_AS(felt.setMask(MaskRole::locked, top), Error);
+  CHECK(felt.scene().layers[0].attributes.mask(MaskRole::hidden).empty());
+  CHECK(felt.scene().layers[0].attributes.mask(MaskRole::locked).empty());
+  felt.setMask(MaskRole::selected, top);
+  CHECK(felt.strokes().undoCount == 1);
+}
+
+}  // namespace palpate::masked_session_test
