@@ -18,6 +18,26 @@ std::optional<Vector> vectorOr(const std::optional<Vector>& given, std::uint32_t
   return given;
 }
 
+constexpr std::array<std::pair<std::string_view, pp_mask>, 4> kMasks{{{"selected", PP_MASK_SELECTED},
+                                                                      {"hidden", PP_MASK_HIDDEN},
+                                                                      {"locked", PP_MASK_LOCKED},
+                                                                      {"within", PP_MASK_WITHIN}}};
+
+pp_mask maskNamed(const std::string& name) {
+  for (const auto& [known, mask] : kMasks)
+    if (name == known) return mask;
+  refuse("unknown mask '" + name + "'; choose selected, hidden, locked or within");
+}
+
+std::vector<std::uint8_t> maskBytes(const py::array& mask) {
+  refuseMasked(mask, "mask");
+  if (mask.ndim() != 1 || mask.dtype().kind() != 'b')
+    refuse("mask: a bool for each point is expected, not " + shapeOf(mask) + " of " +
+           std::string(py::str(mask.dtype())));
+  const py::array_t<bool, py::array::c_style | py::array::forcecast> bools(mask);
+  return {bools.data(), bools.data() + bools.size()};
+}
+
 void bindTouch(py::class_<PySession>& session) {
   session
       .def("touch", &PySession::touch, py::arg("path"), py::arg("surface") = py::none(),
@@ -60,6 +80,29 @@ void bindTouch(py::class_<PySession>& session) {
           "Sets the brush of touch_pose() and touch_poses(), and of the present or next live hand, as for stroke(); "
           "kind None: they only "
           "feel. The first brush of a session is set before it is live.")
+      .def(
+          "set_mask",
+          [](PySession& self, const std::string& which, const py::array& mask) {
+            const std::vector<std::uint8_t> bytes = maskBytes(mask);
+            self.with([&](pp::Session& open) { open.setMask(maskNamed(which), bytes); });
+          },
+          py::arg("which"), py::arg("mask"),
+          "set_mask(which, mask)\n\n"
+          "Sets a mask of the present points: a bool for each point of cloud(). which: \"selected\"; \"hidden\"\n"
+          "(neither drawn nor felt, and saved as all others are); \"locked\" (felt, and no brush changes them);\n"
+          "\"within\" (if there are any, brushes change no others). undo() undoes it as a stroke. The first mask\n"
+          "of a session is set before it is live.")
+      .def(
+          "mask",
+          [](PySession& self, const std::string& which) {
+            const pp_mask role = maskNamed(which);
+            std::vector<std::uint8_t> bytes;
+            self.with([&](pp::Session& open) { bytes = open.mask(role, open.cloud().size()); });
+            py::array_t<bool> mask(static_cast<py::ssize_t>(bytes.size()));
+            std::ranges::copy(bytes, mask.mutable_data());
+            return mask;
+          },
+          py::arg("which"), "mask(which) -> array\n\nA mask of the present points, as for set_mask().")
       .def(
           "undo",
           [](PySession& self, std::uint64_t strokes) {

@@ -61,6 +61,10 @@ class OpenSession {
   void setContact(const SurfaceConfig& surface, const ForceOptions& force);
   std::size_t undo(std::size_t strokes) { return goBack(strokes, 0); }
   std::size_t redo(std::size_t strokes) { return goBack(0, strokes); }
+  /// Sets a mask, and copies one: a byte for each present point, in the order of points(). Throws UsageError,
+  /// StateError.
+  void setMask(MaskRole role, std::span<const std::uint8_t> mask);
+  void copyMask(MaskRole role, std::span<std::uint8_t> mask);
   /// Throws NetworkError, which names `what`, if the server of a joined session has not confirmed it; not while live.
   void requireDelivered(std::string_view what) const {
     if (joined_ && !isLive()) joined_->requireDelivered(*session_, what);
@@ -153,6 +157,8 @@ class OpenSession {
   /// Session::finish(). What a call waits for other programs is JoinedPart::timeout_s() in all.
   void finish();
   double timeLeft_s() const;
+  // The points as a mask of that many bytes names them, once the session follows them.
+  const PointStates& maskable(std::size_t bytes, bool edits);
   void setBrushBetween(const std::optional<BrushConfig>& brush);
   ServoResult follow(const std::vector<Path>& paths);
 

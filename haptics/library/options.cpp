@@ -142,6 +142,12 @@ SurfaceConfig surfaceFrom(const pp_contact_options& contact) {
   return surface;
 }
 
+MaskRole roleFrom(pp_mask which) {
+  const auto role = static_cast<std::size_t>(which);
+  if (role >= kMaskRoles) throw UsageError("mask: {} is not a pp_mask", role);
+  return static_cast<MaskRole>(role);
+}
+
 ForceOptions forceFrom(const pp_contact_options& contact) {
   ForceOptions force;
   fromFields(kForceFields, contact, force);

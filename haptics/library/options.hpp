@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "engine/core/attribute_change.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/core/unknown_name.hpp"
@@ -106,6 +107,8 @@ PointCloud cloudFrom(const CloudArrays& arrays);
 /// Vectors of `count` points; empty if none are given. Throws UsageError for numbers that are not finite.
 std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::string_view name);
 SurfaceConfig surfaceFrom(const pp_contact_options& contact);
+/// Throws UsageError.
+MaskRole roleFrom(pp_mask which);
 ForceOptions forceFrom(const pp_contact_options& contact);
 BrushConfig brushFrom(const pp_brush& brush);
 PictureRequest pictureFrom(const pp_picture_options& options);

@@ -218,6 +218,20 @@ pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done) 
   });
 }
 
+pp_status pp_session_set_mask(pp_session session, pp_mask which, const uint8_t* mask, uint64_t points) {
+  return commanding(session, [&](OpenSession& open) {
+    if (points > 0) required(mask, "mask");
+    open.setMask(roleFrom(which), {mask, points});
+  });
+}
+
+pp_status pp_session_mask(pp_session session, pp_mask which, uint8_t* mask, uint64_t points) {
+  return commanding(session, [&](OpenSession& open) {
+    if (points > 0) required(mask, "mask");
+    open.copyMask(roleFrom(which), {mask, points});
+  });
+}
+
 pp_status pp_session_apply_edits(pp_session session) {
   return looking(session, [](OpenSession& open) {
     open.takeIn();

@@ -38,6 +38,7 @@ def test_each_hint_lists_exactly_the_words_that_the_library_accepts(ball: pp.Clo
         assert words_in_error(lambda: pp.Session(ball, gpu="cpu", tool=wrong)) == set(get_args(_types.ToolKind))
         assert words_in_error(lambda: pp.Session(ball, backend=wrong)) == set(get_args(_types.Backend))
         assert words_in_error(lambda: session.stroke(path, wrong)) == set(get_args(_types.BrushKind))
+        assert words_in_error(lambda: session.mask(wrong)) == set(get_args(_types.MaskKind))
         assert words_in_error(lambda: session.set_brush(wrong)) == set(get_args(_types.BrushKind))
         assert words_in_error(lambda: session.mesh(surface=wrong)) == set(get_args(_types.MeshSurface))
         assert words_in_error(lambda: session.render(color=wrong)) == set(get_args(_types.ColorBy))

@@ -293,3 +293,20 @@ def test_python_is_light_to_import():
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
     assert done.stdout.split()[0] == "False", done.stdout + done.stderr
     assert done.stdout.split()[1].count(".") == 2
+
+
+def test_masks_hide_and_lock_points_of_a_session(ball):
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1) as session:
+        top = ball.positions[:, 2] > 0
+        session.set_mask("hidden", top)
+        assert not session.touch(press_path(1))["contact"].any()
+        assert np.array_equal(session.mask("hidden"), top) and session.mask("hidden").dtype == bool
+        assert len(session.cloud()) == len(ball)
+        assert session.undo() == 1 and not session.mask("hidden").any()
+        assert session.touch(press_path(1))["contact"].any()
+        session.set_mask("locked", np.ones(len(ball), dtype=bool))
+        session.push(press_path(3), radius_mm=5)
+        assert np.array_equal(session.cloud().positions, ball.positions)
+        for wrong in (top[:-1], top.astype(np.uint8), np.zeros((len(ball), 2), dtype=bool)):
+            with pytest.raises(pp.UsageError, match="mask"):
+                session.set_mask("hidden", wrong)

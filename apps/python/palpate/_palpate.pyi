@@ -6,7 +6,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from ._types import Backend, BrushKind, BuiltinPath, ColorBy, MeshSurface, SessionOptions, SurfaceKind, Validity
+from ._types import (
+    Backend,
+    BrushKind,
+    BuiltinPath,
+    ColorBy,
+    MaskKind,
+    MeshSurface,
+    SessionOptions,
+    SurfaceKind,
+    Validity,
+)
 
 def _brush_settings() -> list[str]: ...
 def _tick_dtype() -> np.dtype[Any]: ...
@@ -237,6 +247,8 @@ class _Session:
         kind: BrushKind | None,
         **brush: Unpack[_BrushOptions],
     ) -> None: ...
+    def set_mask(self, which: MaskKind, mask: NDArray[np.bool_]) -> None: ...
+    def mask(self, which: MaskKind) -> NDArray[np.bool_]: ...
     def undo(self, strokes: int = ...) -> int: ...
     def redo(self, strokes: int = ...) -> int: ...
     def cloud(self) -> Cloud: ...

@@ -7,6 +7,7 @@ from typing import Any, Callable, Literal, TypedDict
 
 Backend = Literal["auto", "vulkan", "cpu"]
 BrushKind = Literal["push", "carve", "inflate", "smooth", "grab", "paint", "flatten"]
+MaskKind = Literal["selected", "hidden", "locked", "within"]
 BuiltinPath = Literal["press", "slide", "scan", "orbit", "stir"]  # in water and sand press and stir, else all but stir
 ColorBy = Literal["rgb", "normal", "depth", "height"]
 MeshSurface = Literal["sphere", "average", "sharp", "density"]
@@ -45,6 +46,7 @@ __all__ = [
     "BrushKind",
     "BuiltinPath",
     "ColorBy",
+    "MaskKind",
     "MeshSurface",
     "SessionOptions",
     "SurfaceKind",

@@ -245,6 +245,16 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   std::uint64_t redo(std::uint64_t strokes = 1) {
     return detail::written<std::uint64_t>(pp_session_redo, handle(), strokes);
   }
+  /// Sets a mask of the present points: a byte for each of them (pp_session_set_mask()).
+  void setMask(pp_mask which, const std::vector<std::uint8_t>& mask) {
+    check(pp_session_set_mask(handle(), which, mask.data(), mask.size()));
+  }
+  /// A byte for each of the `points` present points.
+  std::vector<std::uint8_t> mask(pp_mask which, std::uint64_t points) {
+    std::vector<std::uint8_t> mask(points);
+    check(pp_session_mask(handle(), which, mask.data(), mask.size()));
+    return mask;
+  }
   /// Takes in pending edits; call it some thirty times a second (pp_session_apply_edits()).
   void applyEdits() { check(pp_session_apply_edits(handle())); }
   /// Copies the present points.

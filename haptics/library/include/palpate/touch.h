@@ -97,6 +97,21 @@ PP_API pp_status pp_session_touch_hands(pp_session session, const pp_path* const
 PP_API pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done);
 /** Redoes the strokes undone last, as pp_session_undo() undoes them. */
 PP_API pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done);
+/** What a mask of the points means. */
+typedef enum pp_mask {
+  PP_MASK_SELECTED = 0, /**< commands act on them */
+  PP_MASK_HIDDEN = 1,   /**< neither drawn nor felt; saved as all others are */
+  PP_MASK_LOCKED = 2,   /**< felt, and no brush changes them */
+  PP_MASK_WITHIN = 3    /**< if there are any, brushes change no others */
+} pp_mask;
+/** Sets a mask of the present points, until it is set again or undone as a stroke is; new points get the masks of those
+ * that they come from. `mask`: a byte for each of the `points` points, in the order of pp_session_cloud(); 0: the point
+ * is not in it. The first mask of a session rebuilds the index as the first brush does: PP_ERROR_STATE for that one
+ * while the session is live. PP_ERROR_ARGUMENT for another number of points, and, with the reason, if the model does
+ * not allow it. */
+PP_API pp_status pp_session_set_mask(pp_session session, pp_mask which, const uint8_t* mask, uint64_t points);
+/** Copies a mask: 1 for points in it, else 0. Order and errors as for pp_session_set_mask(). */
+PP_API pp_status pp_session_mask(pp_session session, pp_mask which, uint8_t* mask, uint64_t points);
 /** Takes in the edits that pp_touch() with a budget, or a live hand, has made. Call it some thirty times a second:
  * edits are dropped once too many are pending. Pictures and pp_live_read_ticks() do it, too. In a joined session this
  * also sends the edits to the other programs; PP_ERROR_NETWORK once this hand's part in it has ended. */

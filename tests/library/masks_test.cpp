@@ -1,0 +1,85 @@
+// Masks of points: hidden ones are not felt, locked ones not changed, in a program's session.
+#include <algorithm>
+
+#include "tests/library/ball.hpp"
+#include "tests/near.hpp"
+
+namespace palpate::masks_test {
+
+namespace {
+
+// Those of the ball's points that lie above a height.
+std::vector<std::uint8_t> above(double height, std::uint64_t count) {
+  const BallArrays<double> ball(count);
+  std::vector<std::uint8_t> mask(count);
+  for (std::size_t i = 0; i < count; ++i) mask[i] = ball.positions[3 * i + 2] > height ? 1 : 0;
+  return mask;
+}
+
+double largestForce(pp_session session, double depth_mm) {
+  double most_N = 0;
+  const auto path = pressPath(depth_mm);
+  for (const pp_tick& tick : touch(session, pathOf(path))) most_N = std::max(most_N, lengthOf(tick.force_N));
+  return most_N;
+}
+
+}  // namespace
+
+TEST_CASE("a program hides points, which no hand feels then, shows them, and undoes both") {
+  constexpr std::uint64_t kCount = 20'000;
+  const OpenBall ball(cpuOptions(), kCount);
+  const std::vector<std::uint8_t> top = above(0, kCount), none(kCount);
+  CHECK(largestForce(ball.session, 1) > 0.5);
+  PP_REQUIRE_OK(pp_session_set_mask(ball.session, PP_MASK_HIDDEN, top.data(), kCount));
+  CHECK(largestForce(ball.session, 1) == 0);
+  CHECK(placesOf(ball.session).size() == 3 * kCount);
+  std::vector<std::uint8_t> mask(kCount, 7);
+  PP_REQUIRE_OK(pp_session_mask(ball.session, PP_MASK_HIDDEN, mask.data(), kCount));
+  CHECK(mask == top);
+  PP_REQUIRE_OK(pp_session_mask(ball.session, PP_MASK_LOCKED, mask.data(), kCount));
+  CHECK(mask == none);
+  std::uint64_t done = 0;
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 1, &done));
+  CHECK(done == 1);
+  CHECK(largestForce(ball.session, 1) > 0.5);
+  PP_REQUIRE_OK(pp_session_redo(ball.session, 1, &done));
+  CHECK(largestForce(ball.session, 1) == 0);
+  PP_REQUIRE_OK(pp_session_set_mask(ball.session, PP_MASK_HIDDEN, none.data(), kCount));
+  CHECK(largestForce(ball.session, 1) > 0.5);
+}
+
+TEST_CASE("a brush changes no locked point, and a stroke keeps the masks that were set before the first brush") {
+  constexpr std::uint64_t kCount = 20'000;
+  const OpenBall ball(cpuOptions(), kCount);
+  const std::vector<std::uint8_t> all(kCount, 1);
+  PP_REQUIRE_OK(pp_session_set_mask(ball.session, PP_MASK_LOCKED, all.data(), kCount));
+  const std::vector<double> before = placesOf(ball.session);
+  const auto path = pressPath(3);
+  pp_brush brush = pp_default_brush();
+  stroke(ball.session, pathOf(path), brush);
+  CHECK(placesOf(ball.session) == before);
+  const std::vector<std::uint8_t> low = above(-200, kCount);  // all of them: within
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 1, nullptr));
+  PP_REQUIRE_OK(pp_session_set_mask(ball.session, PP_MASK_WITHIN, low.data(), kCount));
+  stroke(ball.session, pathOf(path), brush);
+  CHECK(placesOf(ball.session) != before);
+}
+
+TEST_CASE("masks of another length, unknown masks, and the first one of a live session are refused") {
+  const OpenBall ball(cpuOptions(), 2'000);
+  const std::vector<std::uint8_t> mask(2'001);
+  PP_CHECK_FAILS(pp_session_set_mask(ball.session, PP_MASK_HIDDEN, mask.data(), 2'001), PP_ERROR_ARGUMENT,
+                 "2001 values were given, but there are 2000 points");
+  PP_CHECK_FAILS(pp_session_set_mask(ball.session, PP_MASK_HIDDEN, nullptr, 2'000), PP_ERROR_ARGUMENT, "mask: is null");
+  PP_CHECK_FAILS(pp_session_set_mask(ball.session, static_cast<pp_mask>(4), mask.data(), 2'000), PP_ERROR_ARGUMENT,
+                 "is not a pp_mask");
+  const OpenBall other(cpuOptions(), 2'000);
+  pp_live_options live = pp_default_live_options();
+  live.builtin = "press";
+  PP_REQUIRE_OK(pp_live_start(other.session, &live));
+  PP_CHECK_FAILS(pp_session_set_mask(other.session, PP_MASK_HIDDEN, mask.data(), 2'000), PP_ERROR_STATE,
+                 "before the session is live");
+  PP_REQUIRE_OK(pp_live_stop(other.session));
+}
+
+}  // namespace palpate::masks_test
