@@ -3,7 +3,7 @@ if(NOT WIN32)
   palpate_tests(house LINKS palpate::core)
   # The files of the host's rooms, for the test that they do not include Vulkan.
   set(host_sources "")
-  foreach(room core cloud io motion spatial_host contact_host edit_host touch_host matter mesh_host render_host haptics
+  foreach(room core cloud io motion spatial_host contact_host select edit_host touch_host matter mesh_host render_host haptics
                session sharing study_host haptics_study)
     if(NOT TARGET palpate_${room})
       continue()  # an annex that is not built
@@ -39,6 +39,7 @@ endif()
 palpate_tests(motion LINKS palpate::motion palpate::io)
 palpate_tests(spatial LINKS palpate::spatial_host)
 palpate_tests(contact LINKS palpate::touch_host)
+palpate_tests(select LINKS palpate::select palpate::io)
 palpate_tests(edit LINKS palpate::edit_host)
 # The cases of these run on the CPU here and on the GPU in tests_touch_gpu (touch/back_end.hpp).
 set(both_back_ends touch/bad_input_test.cpp touch/hands_test.cpp touch/limbs_test.cpp touch/locked_test.cpp touch/moving_test.cpp

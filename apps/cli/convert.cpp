@@ -1,11 +1,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 
 #include "apps/cli/context.hpp"
 #include "apps/cli/fused_folder.hpp"
 #include "apps/cli/model.hpp"
 #include "apps/cli/output.hpp"
+#include "apps/cli/prepare_options.hpp"
 #include "apps/cli/setting_options.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "engine/cloud/length_unit.hpp"
@@ -16,6 +18,8 @@
 #include "engine/io/foreign_file.hpp"
 #include "engine/io/mesh_format.hpp"
 #include "engine/io/saving.hpp"
+#include "engine/select/chosen_points.hpp"
+#include "engine/select/normal_signs.hpp"
 #include "haptics/session/bounds.hpp"
 
 namespace palpate {
@@ -24,6 +28,10 @@ namespace {
 
 struct ConvertOptions {
   std::string input, output, normals = "keep", columns;
+  std::vector<std::string> more;  ///< further inputs, with a folder
+  std::string folder, ending;     ///< of the outputs of many inputs; empty: one input; as the input has it
+  PrepareOptions prepare;
+  std::string up;
   bool ascii = false, dropsUnreliable = false;
   ScaleOptions scale;
   StreamConfig stream;  ///< intrinsics and depth scale
@@ -98,7 +106,43 @@ void stateUnit(Log& log, const ConvertOptions& options, const CloudFormat& to, s
   setUnit(comments, *unit);
 }
 
-void convert(Context& context, const ConvertOptions& options) {
+// The up axis that --up gives to the file.
+void stateUp(Log& log, const ConvertOptions& options, const CloudFormat& to, std::vector<std::string>& comments) {
+  if (options.up.empty()) return;
+  if (!to.hasComments)
+    return log.say("{}: {} cannot hold an up axis; {} is not kept", options.output, to.name, options.up);
+  setUp(comments, *valueNamed(kUpAxes, options.up));
+}
+
+// Selects and cleans, as the options say, and sets the normals; returns the steps.
+Json prepare(Context& context, const ConvertOptions& options, StoredCloud& stored) {
+  Json steps = Json::array();
+  PointCloud& cloud = stored.cloud;
+  if (const std::optional<Preparation> preparation = options.prepare.given()) {
+    const auto report = [&](const PreparedStep& step) {
+      context.log().say("{}: {} {}", options.input, step.option, step.what);
+      steps.push_back({{"step", step.option}, {"points_before", step.before}, {"points", step.after}});
+      if (step.after == 0)
+        throw Error("{}: {} {}; nothing is left, and nothing is written", options.input, step.option, step.what);
+    };
+    const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, options.scale.given()),
+                              .up = valueNamed(kUpAxes, options.up),
+                              .threads = context.threads()};
+    const std::size_t before = cloud.size();
+    PreparedCloud prepared = palpate::prepared(std::move(cloud), *preparation, fields, report);
+    cloud = std::move(prepared.cloud);
+    if (cloud.size() < before) stored.triangles = chosenTriangles(stored.triangles, prepared.numbers);
+  }
+  if (options.normals == "estimate") estimateNormals(cloud, 16, context.threads());
+  const bool flips = options.normals == "flip";
+  if ((flips || options.normals == "orient") && !cloud.hasNormals())
+    throw Error("{}: has no normals to {}; use --normals estimate", options.input, options.normals);
+  if (flips) flipNormals(cloud);
+  if (options.normals == "orient") orientNormals(cloud, context.threads());
+  return steps;
+}
+
+Json convertOne(Context& context, const ConvertOptions& options) {
   // Errors of the input are reported before those of an existing output.
   checkRosHearing(options.network, options.input);
   if (!isRosModel(options.input)) refuseForeign(options.input);
@@ -112,7 +156,7 @@ void convert(Context& context, const ConvertOptions& options) {
   if (stored.cloud.empty())
     throw Error("{}: contains no points{}{}; nothing is written", options.input, stored.lost.empty() ? "" : ", but ",
                 fmt::join(stored.lost, ", "));
-  if (options.normals == "estimate") estimateNormals(stored.cloud, 16, context.threads());
+  const Json steps = prepare(context, options, stored);
   std::vector<std::string> lost = lostOnTheWay(stored, to);
   if (!stored.leftOut.empty()) lost.push_back(stored.leftOut + " (--drop-unreliable)");
   const std::vector<std::string> kept = keptOnTheWay(stored, to);
@@ -120,6 +164,7 @@ void convert(Context& context, const ConvertOptions& options) {
   if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));
   markAsOurs(stored.cloud);
   stateUnit(context.log(), options, to, stored.cloud.storedAs.comments);
+  stateUp(context.log(), options, to, stored.cloud.storedAs.comments);
   if (mm_per_unit > 0) sayScale(stored.cloud.storedAs.comments, mm_per_unit);
   std::filesystem::path keptAs;
   std::error_code ignored;
@@ -139,7 +184,52 @@ void convert(Context& context, const ConvertOptions& options) {
               {"kept", kept},
               {"lost", lost}};
   for (const auto& [name, count] : input.counts) result[name] = count;
-  context.writeJson(result);
+  if (steps.size() > 0) result["steps"] = steps;
+  return result;
+}
+
+// The name of an input in the folder.
+std::string outputIn(const ConvertOptions& options, const std::string& input) {
+  std::filesystem::path name = std::filesystem::path(input).lexically_normal();
+  if (!name.has_filename()) name = name.parent_path();  // a folder
+  const std::string ending = options.ending.empty() ? cloudFormats().endingToSave(input) : "." + options.ending;
+  return (std::filesystem::path(options.folder) / (name.stem().string() + ending)).string();
+}
+
+// Each file is converted, or reported; the others are converted in any case.
+void convertMany(Context& context, const ConvertOptions& options) {
+  std::vector<std::string> inputs{options.input};
+  if (!options.output.empty()) inputs.push_back(options.output);
+  inputs.insert(inputs.end(), options.more.begin(), options.more.end());
+  std::filesystem::create_directories(options.folder);
+  Json files = Json::array();
+  std::map<std::string, std::string> writtenFrom;
+  std::size_t failed = 0;
+  for (const std::string& input : inputs) {
+    ConvertOptions one = options;
+    one.input = input;
+    try {
+      one.output = outputIn(options, input);
+      if (const auto [first, isNew] = writtenFrom.emplace(one.output, input); !isNew)
+        throw Error("{}: {} was already written from {}; convert it by itself", input, one.output, first->second);
+      files.push_back(convertOne(context, one));
+    } catch (const Error& error) {
+      context.log().warn("{}", error.what());
+      files.push_back({{"input", input}, {"error", error.what()}});
+      ++failed;
+    }
+  }
+  context.writeJson({{"files", files}, {"failed", failed}});
+  if (failed > 0) throw Error("{} of {} were not converted; see above", failed, counted(inputs.size(), "file"));
+}
+
+void convert(Context& context, const ConvertOptions& options) {
+  if (!options.folder.empty()) return convertMany(context, options);
+  if (options.output.empty()) throw UsageError("output: is required; name a file, or a folder with --to");
+  if (!options.more.empty())
+    throw UsageError("{} is a third file; several files are converted into a folder, which --to names",
+                     options.more.front());
+  context.writeJson(convertOne(context, options));
 }
 
 }  // namespace
@@ -153,14 +243,21 @@ void addConvert(Options& app, Context& context, Command& command) {
       .required()
       .typeName("IN");
   sub.add("output", options->output, "output: " + cloudFormats().endingsWritten())
-      .required()
       .typeName("OUT")
       .writes(Writes::keeping);
+  sub.add("more", options->more, "further inputs: with --to, all files are").typeName("IN");
+  sub.add("--to", options->folder,
+          "convert all named files into this folder, in their own formats or that of --format; one that fails is "
+          "reported, and the others are converted")
+      .typeName("FOLDER");
   sub.add("--normals", options->normals,
           "keep: copy the normals of the file; estimate: estimate them from the points; face: from the "
-          "faces")
-      .check(oneOf({"keep", "estimate", "face"}))
+          "faces; orient: flip those of the file so that neighbours agree; flip: flip all")
+      .check(oneOf(namesOf(kNormalSources)))
       .showDefault();
+  sub.heading("Select and clean, in this order");
+  addPrepareOptions(sub, options->prepare);
+  sub.heading("Options");
   sub.add("--columns", options->columns,
           "names of the columns of a text file, e.g. x,y,z,intensity,red,green,blue (default: from its "
           "first line)")
@@ -182,6 +279,8 @@ void addConvert(Options& app, Context& context, Command& command) {
           "unit of length that OUT states: mm, cm, m, in or ft; coordinates are not scaled (default: the unit that IN "
           "states)")
       .check(oneOf(namesOf(kLengthUnits)));
+  sub.add("--up", options->up, "up axis that OUT states: x, y, z, -x, -y or -z; the points stay as they are")
+      .check(oneOf(namesOf(kUpAxes)));
   addNetworkOptions(sub, options->network);
   addRosFrameOption(sub, options->network);
   sub.addFlag("--ascii", options->ascii, "write ASCII in place of binary little-endian");
@@ -190,7 +289,11 @@ void addConvert(Options& app, Context& context, Command& command) {
       "folder of depth frames is fused into one cloud in metres. Faces are written as triangles. A "
       "scale is written as a comment that touch and view read; coordinates are not scaled. Losses "
       "in OUT are reported before it is written.\n");
-  sub.whenNamed([&, options] { command = [&context, options] { convert(context, *options); }; });
+  sub.whenNamed([&, options] {
+    for (const Option& option : app.all())
+      if (option.name() == "--format" && option.given()) options->ending = option.text();
+    command = [&context, options] { convert(context, *options); };
+  });
 }
 
 }  // namespace palpate

@@ -30,6 +30,7 @@ void addModelOptions(Options& command, ModelOptions& options, const std::string&
       .check(oneOf(choicesOf<ModelConfig>("normals")))
       .showDefault();
   addAllPointsOption(command, options.keepUnreliable);
+  addPrepareOptions(command, options.prepare);
 }
 
 void addScaleOptions(Options& command, ScaleOptions& options) {
@@ -84,6 +85,7 @@ ModelConfig ModelOptions::config() const {
   ModelConfig config{.file = file, .mm_per_unit = scale.given(), .keepUnreliable = keepUnreliable};
   for (const auto& [name, source] : kNormalSources)
     if (name == normals) config.normals = source;
+  config.prepare = prepare.given();
   return config;
 }
 

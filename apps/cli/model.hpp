@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/cli/context.hpp"
+#include "apps/cli/prepare_options.hpp"
 #include "haptics/session/model.hpp"
 
 namespace palpate {
@@ -30,6 +31,7 @@ struct ModelOptions {
   ScaleOptions scale;
   std::string normals = "keep";
   bool keepUnreliable = false;
+  PrepareOptions prepare = {};
 
   /// Throws UsageError.
   ModelConfig config() const;

@@ -230,6 +230,11 @@ Option Options::addFlag(const std::string& name, std::string& value, const std::
   return with(app_->add_flag(name + "{" + words.front() + "}", value, what)->check(CLI::IsMember(words)));
 }
 
+Option Options::addFlag(const std::string& name, std::string& value, const std::string& usual,
+                        const std::string& what) {
+  return with(app_->add_flag(name + "{" + usual + "}", value, what));
+}
+
 void Options::heading(const std::string& text) { app_->option_defaults()->group(text); }
 
 Options& Options::addSubcommand(const std::string& name, const std::string& what) {

@@ -138,6 +138,8 @@ class Options {
   /// A flag that means the first of these words; another word requires --name=word.
   Option addFlag(const std::string& name, std::string& value, const std::vector<std::string>& words,
                  const std::string& what);
+  /// A flag that means `usual`, which has no comma; another value requires --name=value.
+  Option addFlag(const std::string& name, std::string& value, const std::string& usual, const std::string& what);
   /// Sets the heading for options added later.
   void heading(const std::string& text);
 

@@ -29,6 +29,7 @@ struct ViewCommandOptions {
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
               edit = "none", resolution = "128", device = "auto", axes, scheduler = "device", present = "auto";
   bool hidesCamera = false, rumble = false, realtime = false, keepUnreliable = false;
+  PrepareOptions prepare;
   double rate_Hz = 1000, undoMemory_MiB = 1024;
 };
 
@@ -92,7 +93,10 @@ void view(Context& context, const ViewCommandOptions& options) {
                    .held = held};
   if (!options.script.empty()) view.script = readScript(options.script);
   view.session.config.model =
-      ModelOptions{.scale = options.scale, .normals = options.normals, .keepUnreliable = options.keepUnreliable}
+      ModelOptions{.scale = options.scale,
+                   .normals = options.normals,
+                   .keepUnreliable = options.keepUnreliable,
+                   .prepare = options.prepare}
           .config();
   view.session.exceedsMemory = context.isForced();
   view.session.config.rate_Hz = options.rate_Hz;
@@ -169,10 +173,11 @@ void addView(Options& app, Context& context, Command& command) {
       .offers(builtInSceneNames());
   addScaleOptions(sub, options->scale);
   addSettingFor<ModelConfig>(sub, options->normals, "normals")
-      .describe("keep, estimate or face, as in palpate touch")
+      .describe("keep, estimate, face, orient or flip, as in palpate touch")
       .check(oneOf(choicesOf<ModelConfig>("normals")))
       .showDefault();
   addAllPointsOption(sub, options->keepUnreliable);
+  addPrepareOptions(sub, options->prepare);
   addLookOptions(sub, options->look);
   addWindowOptions(sub, *options);
   sub.add("--device", options->device,

@@ -76,6 +76,12 @@ LengthUnit unitOfScale(double mm_per_unit) {
   return LengthUnit::unknown;
 }
 
+std::optional<double> mmIn(LengthUnit unit) {
+  for (const auto& [mm, each] : kMmPerUnit)
+    if (each == unit) return mm;
+  return std::nullopt;
+}
+
 LengthUnit unitSaidIn(std::span<const std::string> comments) {
   for (const std::string& comment : comments)
     if (const LengthUnit unit = unitInWords(comment); unit != LengthUnit::unknown) return unit;

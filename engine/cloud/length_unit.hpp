@@ -26,6 +26,8 @@ std::string_view nameOf(LengthUnit unit);
 
 /// The unit of this many mm, as inch for 25.4; unknown for any other number.
 LengthUnit unitOfScale(double mm_per_unit);
+/// The mm of a unit; empty if it is unknown.
+std::optional<double> mmIn(LengthUnit unit);
 /// The unit in a file's comments, as in `comment units: mm` or `obj_info unit = metres`, else the unit of the scale in
 /// them (scaleSaidIn()); unknown if they contain neither.
 LengthUnit unitSaidIn(std::span<const std::string> comments);

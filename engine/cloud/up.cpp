@@ -308,9 +308,19 @@ std::optional<UpAxis> upOfCameras(const DVec3& meanUp) {
   return glm::dot(directionOf(axis), meanUp) > kUpright * size ? std::optional(axis) : std::nullopt;
 }
 
+namespace {
+
+constexpr std::string_view kSays = "comment up: ";
+
+}  // namespace
+
+void setUp(std::vector<std::string>& comments, UpAxis up) {
+  std::erase_if(comments, [](const std::string& comment) { return comment.starts_with(kSays); });
+  comments.push_back(fmt::format("{}{}", kSays, nameOf(up)));
+}
+
 std::optional<UpAxis> upSaidIn(std::span<const std::string> comments) {
   for (const std::string& comment : comments) {
-    constexpr std::string_view kSays = "comment up: ";
     if (!comment.starts_with(kSays)) continue;
     const std::string_view said = std::string_view(comment).substr(kSays.size());
     for (const auto& [name, axis] : kUpAxes)

@@ -53,6 +53,9 @@ struct Upright {
 /// The up axis in a file's comments, as in `comment up: -y`; empty if they do not contain one.
 std::optional<UpAxis> upSaidIn(std::span<const std::string> comments);
 
+/// Writes the axis into the comments, replacing any other.
+void setUp(std::vector<std::string>& comments, UpAxis up);
+
 /// The up axis of cameras, from the mean of their unit up vectors; empty if they disagree too much, or lie between two
 /// axes.
 std::optional<UpAxis> upOfCameras(const DVec3& meanUp);

@@ -23,6 +23,7 @@ inline constexpr double kMinDepthScale = 1, kMaxDepthScale = 1e6;  ///< depth va
 inline constexpr std::uint32_t kLastDomain = 230;                  ///< of the DDS domains that have ports
 inline constexpr double kMaxCount = 1e9;                           ///< of counts
 inline constexpr double kMaxSeed = 9e15;                           ///< a double represents every integer up to here
+inline constexpr double kMaxNeighbours = 1000;                     ///< of a point, in a search for outliers
 inline constexpr double kMaxThreads = 1024;
 
 }  // namespace palpate::bounds

@@ -14,6 +14,7 @@
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/io/saving.hpp"
+#include "engine/select/normal_signs.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/session/simulation.hpp"
 #include "haptics/session/stream_model.hpp"
@@ -51,6 +52,14 @@ ModelScale scaleOf(const Model& model, double mm_per_unit) {
 
 namespace {
 
+void prepare(PointCloud& cloud, const ModelConfig& config, const ModelLoading& loading) {
+  const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, config.mm_per_unit), .up = {}, .threads = loading.threads};
+  cloud = prepared(std::move(cloud), *config.prepare, fields, [&](const PreparedStep& step) {
+            loading.log.say("{}: {} {}", config.file, step.option, step.what);
+            if (step.after == 0) throw Error("{}: {} {}; no point is left", config.file, step.option, step.what);
+          }).cloud;
+}
+
 Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {
   if (!loading.fetch) throw Error("{}: ROS topics are not supported here", config.file);
   if (config.normals == NormalSource::face)
@@ -73,6 +82,7 @@ Model readModel(const ModelConfig& config, const ModelLoading& loading) {
   markNormalsAsEstimated(stored.cloud, false);  // whatever a comment in the file says: they are its own
   if (!stored.leftOut.empty())
     loading.log.warn("{}: left out: {}; the setting keep_unreliable keeps them", config.file, stored.leftOut);
+  if (config.prepare && !stored.cloud.empty()) prepare(stored.cloud, config, loading);
   Model model = modelOf(std::move(stored.cloud), config, loading);
   model.cameras = std::move(stored.cameras);
   return model;
@@ -95,7 +105,10 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
     // One or two points define no plane: their discs face the default view.
     constexpr std::size_t kNoPlane = 2;
     if (cloud.size() <= kNoPlane) cloud.normals.assign(cloud.size(), Vec3(frontOf(model.upright.up)));
+  } else if (config.normals == NormalSource::orient) {
+    orientNormals(cloud, loading.threads);
   }
+  if (config.normals == NormalSource::flip) flipNormals(cloud);
   measure(model, config, loading.threads);
   return model;
 }

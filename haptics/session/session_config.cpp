@@ -48,6 +48,13 @@ void validateJoined(const SessionConfig& config) {
     throw ConfigError("model.keep_unreliable", "the server chooses the points of a joined model; leave it out");
 }
 
+void validatePrepared(const ModelConfig& model) {
+  if (model.stream || model.join || model.matter)
+    throw ConfigError("prepare", "only the points of a file are selected and cleaned, not those of a stream, a joined "
+                                 "session or a scene; leave {} out",
+                      "--crop, --where, --outliers and such");
+}
+
 }  // namespace
 
 void validate(const SessionConfig& config) {
@@ -69,6 +76,7 @@ void validate(const SessionConfig& config) {
   if (config.model.join && (config.model.stream || config.model.matter))
     throw ConfigError("join", "the model is a stream or a scene of matter; leave it out");
   if (config.model.matter) config.model.matter->check(config);
+  if (config.model.prepare) validatePrepared(config.model);
 }
 
 BrushOptions brushOptions(const BrushConfig& brush, const ModelScale& scale) {

@@ -17,16 +17,22 @@
 #include "engine/core/tool_shape.hpp"
 #include "engine/core/vec.hpp"
 #include "engine/motion/rigid_motion.hpp"
+#include "engine/select/preparation.hpp"
 #include "haptics/force_law.hpp"
 #include "haptics/passivity.hpp"
 #include "haptics/session/simulated_scene.hpp"
 
 namespace palpate {
 
-/// Source of a model's normals: the file, or estimated if it has none; always estimated from the points; or the faces.
-enum class NormalSource { keep, estimate, face };
-inline constexpr std::array<std::pair<std::string_view, NormalSource>, 3> kNormalSources{
-    {{"keep", NormalSource::keep}, {"estimate", NormalSource::estimate}, {"face", NormalSource::face}}};
+/// Source of a model's normals: the file, or estimated if it has none; always estimated from the points; the faces; those
+/// of the file, with signs that agree among neighbours; or those of the file, negated.
+enum class NormalSource { keep, estimate, face, orient, flip };
+inline constexpr std::array<std::pair<std::string_view, NormalSource>, 5> kNormalSources{
+    {{"keep", NormalSource::keep},
+     {"estimate", NormalSource::estimate},
+     {"face", NormalSource::face},
+     {"orient", NormalSource::orient},
+     {"flip", NormalSource::flip}}};
 
 /// A depth camera, whose newest frame is the model: recorded in the folder that ModelConfig::file names, or live.
 struct StreamConfig {
@@ -57,6 +63,7 @@ struct ModelConfig {
   double mm_per_unit = 0;  ///< millimetres per model unit; 0: as the file says, or the longest side becomes 100 mm
   NormalSource normals = NormalSource::keep;
   bool keepUnreliable = false;  ///< reads also the points that a reconstruction's own measures mark as unreliable
+  std::optional<Preparation> prepare;  ///< of a cloud in a file, before anything is measured
   std::optional<StreamConfig> stream;
   std::optional<JoinConfig> join;
   SceneRef matter;

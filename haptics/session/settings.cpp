@@ -25,10 +25,44 @@ constexpr Setting<ModelConfig> kModel[]{
      {.min = bounds::kMinScale, .max = bounds::kMaxScale, .orZero = true}},
     {"normals", words<&ModelConfig::normals, kNormalSources>(), "--normals",
      "keep: use the normals of the file, estimate missing ones; estimate: always estimate from the "
-     "points; face: from the faces"},
+     "points; face: from the faces; orient: those of the file, flipped so that neighbours agree; flip: those of the "
+     "file, all flipped"},
     {"keep_unreliable", &ModelConfig::keepUnreliable, "--keep-unreliable",
      "COLMAP: also keep unreliable points (rays at less than 1.5 degrees, errors above 4 pixels, "
      "fewer than three images)"},
+};
+
+constexpr Setting<Preparation> kPreparation[]{
+    {"crop", &Preparation::crop, "--crop",
+     "keep the points in a box, given by two corners in file coordinates: 0,0,0:1.5,2,1"},
+    {"crop_outside", &Preparation::cropOutside, "--crop-outside", "keep the points outside a box"},
+    {"where", &Preparation::where, "--where",
+     "keep the points for which an expression of their fields holds, as in \"classification == 2 && z > 3\""},
+    {"drop_duplicates", &Preparation::dropDuplicates, "--drop-duplicates",
+     "keep one point of those with exactly the same coordinates: the first"},
+    {"outlier_neighbours",
+     &Preparation::outlierNeighbours,
+     "--outliers",
+     "drop statistical outliers: points whose mean distance to their K nearest neighbours is more than SIGMA standard "
+     "deviations above the mean of all points (default: 8,1); with =",
+     "",
+     {.min = 1, .max = bounds::kMaxNeighbours, .orZero = true}},
+    {"outlier_sigma", &Preparation::outlierSigma, "", "standard deviations of --outliers", "", {-100, 100}},
+    {"radius_neighbours",
+     &Preparation::radiusNeighbours,
+     "--radius-outliers",
+     "drop the points with fewer than N other points nearer than a length, mm",
+     "",
+     {.min = 1, .max = bounds::kMaxNeighbours, .orZero = true}},
+    {"radius_mm", &Preparation::radius_mm, "", "length of --radius-outliers, mm", "mm", kLength},
+    {"subsample_mm", &Preparation::subsample_mm, "--subsample",
+     "keep one point in each cell of a grid: the one nearest to its middle; side of a cell, mm", "mm", kLengthOrZero},
+    {"random", &Preparation::random, "--random", "keep this many points, drawn at random; 0: all", "",
+     {0, bounds::kMaxCount}},
+    {"seed", &Preparation::seed, "--seed", "seed of --random", "", {0, bounds::kMaxCount}},
+    {"set", &Preparation::set, "--set",
+     "set a field: [TYPE] NAME = NUMBER [if CONDITION], as in \"classification = 6 if z > 3\"; may be repeated"},
+    {"level", &Preparation::level, "--level", "rotate the model so that its ground, found by shape, is level and z is up"},
 };
 
 constexpr Setting<BackendConfig> kBackend[]{
@@ -312,6 +346,7 @@ constexpr std::string_view kFurtherHand = "--hand";
 }  // namespace
 
 std::span<const Setting<ModelConfig>> settingsOf(const ModelConfig*) { return kModel; }
+std::span<const Setting<Preparation>> settingsOf(const Preparation*) { return kPreparation; }
 std::span<const Setting<BackendConfig>> settingsOf(const BackendConfig*) { return kBackend; }
 std::span<const Setting<IndexConfig>> settingsOf(const IndexConfig*) { return kIndex; }
 std::span<const Setting<SurfaceConfig>> settingsOf(const SurfaceConfig*) { return kSurface; }

@@ -9,6 +9,7 @@ namespace palpate {
 
 // The settings of each section, in the order of its JSON.
 std::span<const Setting<ModelConfig>> settingsOf(const ModelConfig*);
+std::span<const Setting<Preparation>> settingsOf(const Preparation*);
 std::span<const Setting<BackendConfig>> settingsOf(const BackendConfig*);
 std::span<const Setting<IndexConfig>> settingsOf(const IndexConfig*);
 std::span<const Setting<SurfaceConfig>> settingsOf(const SurfaceConfig*);
@@ -50,6 +51,7 @@ void visitSections(Config& config, auto&& visit) {
   visit("force", config.force, Presence::always);
   visit("undo", config.undo, Presence::always);
   visit("motion", config.motion, Presence::leftOutIfAbsent);
+  visit("prepare", config.model.prepare, Presence::leftOutIfAbsent);
   visit("stream", config.model.stream, Presence::leftOutIfAbsent);
   visit("join", config.model.join, Presence::leftOutIfAbsent);
 }

@@ -1,0 +1,60 @@
+#include "apps/cli/prepare_options.hpp"
+
+#include "apps/cli/parse_list.hpp"
+#include "apps/cli/setting_options.hpp"
+#include "haptics/session/bounds.hpp"
+
+namespace palpate {
+
+namespace {
+
+// A whole number and, behind a comma, a length or a factor.
+void readPair(const std::string& option, const std::string& text, const char* form, std::size_t& count,
+              double& value) {
+  const auto [first, second] = parseList<double, 2>(text, ',', option, form);
+  if (!(first >= 1 && first <= bounds::kMaxNeighbours && first == static_cast<double>(static_cast<int>(first))))
+    throw UsageError("{}: '{}' is not {}: the number is not a whole number from 1 to {}", option, text, form,
+                     bounds::kMaxNeighbours);
+  count = static_cast<std::size_t>(first);
+  value = second;
+}
+
+}  // namespace
+
+std::optional<Preparation> PrepareOptions::given() const {
+  Preparation all = preparation;
+  if (!crop.empty()) all.crop = cornersIn(crop, "--crop");
+  if (!cropOutside.empty()) all.cropOutside = cornersIn(cropOutside, "--crop-outside");
+  if (!outliers.empty()) {
+    const bool isPair = outliers.find(',') != std::string::npos;
+    readPair("--outliers", isPair ? outliers : outliers + ",1", "K or K,SIGMA, as in 8,1", all.outlierNeighbours,
+             all.outlierSigma);
+  }
+  if (!radiusOutliers.empty())
+    readPair("--radius-outliers", radiusOutliers, "N,MM, as in 4,2.5", all.radiusNeighbours, all.radius_mm);
+  if (all == Preparation{}) return std::nullopt;
+  forEachBounded(settingsOf<Preparation>(), all, [](const Setting<Preparation>& setting, double value) {
+    requireIn(setting.range, pathOf("prepare", setting.name), value);
+  });
+  return all;
+}
+
+void addPrepareOptions(Options& command, PrepareOptions& options) {
+  const auto text = [&](const char* name, std::string& value, const char* form) {
+    addSettingFor<Preparation>(command, value, name).typeName(form);
+  };
+  text("crop", options.crop, "X,Y,Z:X,Y,Z");
+  text("crop_outside", options.cropOutside, "X,Y,Z:X,Y,Z");
+  addSetting(command, options.preparation, "where").typeName("CONDITION");
+  addSetting(command, options.preparation, "drop_duplicates");
+  const Setting<Preparation>& outliers = settingNamed<Preparation>("outlier_neighbours");
+  command.addFlag(std::string(outliers.flag), options.outliers, "8", std::string(outliers.help)).typeName("K,SIGMA");
+  text("radius_neighbours", options.radiusOutliers, "N,MM");
+  addSetting(command, options.preparation, "subsample_mm");
+  addSetting(command, options.preparation, "random");
+  addSetting(command, options.preparation, "seed").showDefault();
+  addSetting(command, options.preparation, "set").repeatable().typeName("RULE");
+  addSetting(command, options.preparation, "level");
+}
+
+}  // namespace palpate

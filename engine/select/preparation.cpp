@@ -1,0 +1,147 @@
+#include "engine/select/preparation.hpp"
+
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+#include "engine/cloud/length_unit.hpp"
+#include "engine/cloud/voxel_sample.hpp"
+#include "engine/core/counted.hpp"
+#include "engine/core/units.hpp"
+#include "engine/select/chosen_points.hpp"
+#include "engine/select/cleaning.hpp"
+#include "engine/select/expression.hpp"
+#include "engine/select/field_rule.hpp"
+#include "engine/select/move_points.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::string conditionOf(const Corners& corners) {
+  const DVec3 low = glm::min((*corners)[0], (*corners)[1]), high = glm::max((*corners)[0], (*corners)[1]);
+  std::string text;
+  for (int k = 0; k < 3; ++k)
+    text += fmt::format("{0}{1} >= {2} && {1} <= {3}", k == 0 ? "" : " && ", "xyz"[k], low[k], high[k]);
+  return text;
+}
+
+/// Does the steps, and keeps account of the points.
+class Preparer {
+ public:
+  Preparer(PointCloud cloud, const FieldOptions& options, const std::function<void(const PreparedStep&)>& report)
+      : options_(options), report_(report) {
+    result_.cloud = std::move(cloud);
+    result_.numbers.resize(result_.cloud.size());
+    std::iota(result_.numbers.begin(), result_.numbers.end(), 0u);
+  }
+
+  void keep(std::string_view option, const PointSet& which) {
+    const std::size_t before = cloud().size();
+    std::vector<std::uint32_t> numbers;
+    numbers.reserve(which.count());
+    which.forEach([&](std::uint64_t point) { numbers.push_back(result_.numbers[point]); });
+    if (numbers.size() < before) {
+      result_.cloud = chosenPoints(cloud(), which, options_.threads);
+      result_.numbers = std::move(numbers);
+    }
+    done(option, before, fmt::format("keeps {} of {}", cloud().size(), counted(before, "point")));
+  }
+  void drop(std::string_view option, const PointSet& which) { keep(option, othersThan(which, cloud().size())); }
+  void where(std::string_view option, std::string_view condition, bool holds = true) {
+    CloudFields fields(cloud(), options_);
+    const PointSet which = pointsWhere(option, condition, fields);
+    holds ? keep(option, which) : drop(option, which);
+  }
+  void set(const std::string& rule) {
+    const std::size_t count = applyRule("--set", rule, result_.cloud, options_);
+    done("--set", cloud().size(), fmt::format("\"{}\" sets {}", rule, counted(count, "point")));
+  }
+  void level() {
+    const auto ground = findGround(cloud(), options_.up);
+    if (!ground)
+      throw Error("--level: no ground was found: no plane below the rest has a twentieth of the surface; state the up "
+                  "axis (--up), or crop to the part that stands on the ground");
+    rotateToZ(result_.cloud, ground->normal);
+    setUp(result_.cloud.storedAs.comments, UpAxis::z);
+    done("--level", cloud().size(),
+         fmt::format("rotates by {:.3f} degrees; the ground has {:.0f} % of the surface",
+                     angleBetween_deg(ground->normal, DVec3(0, 0, 1)), 100 * ground->share));
+  }
+
+  const PointCloud& cloud() const { return result_.cloud; }
+  double toUnits(double length_mm) const { return length_mm / options_.mm_per_unit; }
+  PreparedCloud result() { return std::move(result_); }
+
+ private:
+  void done(std::string_view option, std::size_t before, std::string what) {
+    result_.steps.push_back({option, before, cloud().size(), std::move(what)});
+    if (report_) report_(result_.steps.back());
+  }
+
+  const FieldOptions& options_;
+  const std::function<void(const PreparedStep&)>& report_;
+  PreparedCloud result_;
+};
+
+}  // namespace
+
+Corners cornersIn(std::string_view text, std::string_view name) {
+  const auto wrong = [&] {
+    return UsageError("{}: '{}' is not two corners of a box, as in 0,0,0:1.5,2,1", name, text);
+  };
+  std::array<DVec3, 2> corners;
+  const char *at = text.data(), *const end = at + text.size();
+  for (int k = 0; k < 6; ++k) {
+    const auto [next, error] = std::from_chars(at, end, corners[static_cast<std::size_t>(k / 3)][k % 3]);
+    const char* const separator = k == 2 ? ":" : ",";
+    if (error != std::errc() || (k < 5 ? next == end || *next != *separator : next != end)) throw wrong();
+    at = next + (k < 5 ? 1 : 0);
+  }
+  if (!isFinite(corners[0]) || !isFinite(corners[1])) throw wrong();
+  return corners;
+}
+
+std::string cornersText(const Corners& corners) {
+  if (!corners) return {};
+  const auto& [a, b] = *corners;
+  return fmt::format("{},{},{}:{},{},{}", a.x, a.y, a.z, b.x, b.y, b.z);
+}
+
+double mmPerUnit(const PointCloud& cloud, double given) {
+  if (given > 0) return given;
+  const std::vector<std::string>& comments = cloud.storedAs.comments;
+  if (const auto scale = scaleSaidIn(comments)) return *scale;
+  if (const auto mm = mmIn(unitSaidIn(comments))) return *mm;
+  return ModelScale::fitting(coreBoundsOf(cloud).longestSide()).mm_per_unit;
+}
+
+PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
+                       const std::function<void(const PreparedStep&)>& report) {
+  Preparer preparer(std::move(cloud), options, report);
+  const unsigned threads = options.threads;
+  if (preparation.crop) preparer.where("--crop", conditionOf(preparation.crop));
+  if (preparation.cropOutside) preparer.where("--crop-outside", conditionOf(preparation.cropOutside), false);
+  if (!preparation.where.empty()) preparer.where("--where", preparation.where);
+  if (preparation.dropDuplicates) preparer.drop("--drop-duplicates", duplicatePoints(preparer.cloud(), threads));
+  if (preparation.outlierNeighbours > 0)
+    preparer.drop("--outliers", statisticalOutliers(preparer.cloud(),
+                                                    static_cast<std::uint32_t>(preparation.outlierNeighbours),
+                                                    preparation.outlierSigma, threads));
+  if (preparation.radiusNeighbours > 0)
+    preparer.drop("--radius-outliers",
+                  radiusOutliers(preparer.cloud(), static_cast<std::uint32_t>(preparation.radiusNeighbours),
+                                 preparer.toUnits(preparation.radius_mm), threads));
+  if (preparation.subsample_mm > 0)
+    preparer.keep("--subsample",
+                  onePointPerCell(preparer.cloud(), preparer.toUnits(preparation.subsample_mm), threads));
+  if (preparation.random > 0)
+    preparer.keep("--random", randomPoints(preparer.cloud().size(), preparation.random, preparation.seed));
+  for (const std::string& rule : preparation.set) preparer.set(rule);
+  if (preparation.level && !preparer.cloud().empty()) preparer.level();
+  return preparer.result();
+}
+
+}  // namespace palpate
