@@ -225,6 +225,7 @@ void listBenchResults(std::vector<ResultFacts>& all) {
                                                            {"bench strokes", &listStrokesBenchResults},
                                                            {"bench matter", &listMatterBenchResults},
                                                            {"bench read", &listReadBenchResults},
+                                                           {"bench select", &listSelectBenchResults},
                                                            {"bench share", &listShareBenchResults}}) {
     listRun(all, bench);
     list(all);
@@ -249,6 +250,7 @@ void addBench(Options& app, Context& context, Command& command) {
   addStrokesBench(sub, context, command);
   addMatterBench(sub, context, command);
   addReadBench(sub, context, command);
+  addSelectBench(sub, context, command);
   addShareBench(sub, context, command);
   for (const auto& bench : sub.subcommands())
     if (!std::ranges::count(together, bench.get())) bench->under("Each alone, with its own tables");

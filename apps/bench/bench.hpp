@@ -134,6 +134,7 @@ void listStreamBenchResults(std::vector<ResultFacts>& all);
 void listStrokesBenchResults(std::vector<ResultFacts>& all);
 void listMatterBenchResults(std::vector<ResultFacts>& all);
 void listReadBenchResults(std::vector<ResultFacts>& all);
+void listSelectBenchResults(std::vector<ResultFacts>& all);
 void listShareBenchResults(std::vector<ResultFacts>& all);
 
 /// The benches: each file adds its subcommand to `bench`; those measured together share one function.
@@ -157,6 +158,8 @@ void addMatterBench(Options& bench, Context& context, Command& command);
 void addShareBench(Options& bench, Context& context, Command& command);
 /// Reading speed of files in any format.
 void addReadBench(Options& bench, Context& context, Command& command);
+/// Cost of selecting and cleaning points; apps/bench/select.py measures Open3D beside it.
+void addSelectBench(Options& bench, Context& context, Command& command);
 /// Random strokes of every brush, half of them on thin parts, folds and borders, judged by the points before and after
 /// (engine/study/stroke_judge.hpp).
 void addStrokesBench(Options& bench, Context& context, Command& command);

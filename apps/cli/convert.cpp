@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "apps/cli/config_flags.hpp"
 #include "apps/cli/context.hpp"
 #include "apps/cli/fused_folder.hpp"
 #include "apps/cli/model.hpp"
@@ -20,6 +21,7 @@
 #include "engine/io/saving.hpp"
 #include "engine/select/chosen_points.hpp"
 #include "engine/select/normal_signs.hpp"
+#include "engine/select/prepared_cloud.hpp"
 #include "haptics/session/bounds.hpp"
 
 namespace palpate {
@@ -120,10 +122,11 @@ Json prepare(Context& context, const ConvertOptions& options, StoredCloud& store
   PointCloud& cloud = stored.cloud;
   if (const std::optional<Preparation> preparation = options.prepare.given()) {
     const auto report = [&](const PreparedStep& step) {
-      context.log().say("{}: {} {}", options.input, step.option, step.what);
-      steps.push_back({{"step", step.option}, {"points_before", step.before}, {"points", step.after}});
+      const std::string flag = flagOf(step.name);
+      context.log().say("{}: {} {}", options.input, flag, step.what);
+      steps.push_back({{"step", flag}, {"points_before", step.before}, {"points", step.after}});
       if (step.after == 0)
-        throw Error("{}: {} {}; nothing is left, and nothing is written", options.input, step.option, step.what);
+        throw Error("{}: {} {}; nothing is left, and nothing is written", options.input, flag, step.what);
     };
     const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, options.scale.given()),
                               .up = valueNamed(kUpAxes, options.up),
@@ -197,7 +200,7 @@ std::string outputIn(const ConvertOptions& options, const std::string& input) {
 }
 
 // Each file is converted, or reported; the others are converted in any case.
-void convertMany(Context& context, const ConvertOptions& options) {
+void convertMany(Context& context, const ConvertOptions& options, const Options& command) {
   std::vector<std::string> inputs{options.input};
   if (!options.output.empty()) inputs.push_back(options.output);
   inputs.insert(inputs.end(), options.more.begin(), options.more.end());
@@ -214,8 +217,10 @@ void convertMany(Context& context, const ConvertOptions& options) {
         throw Error("{}: {} was already written from {}; convert it by itself", input, one.output, first->second);
       files.push_back(convertOne(context, one));
     } catch (const Error& error) {
-      context.log().warn("{}", error.what());
-      files.push_back({{"input", input}, {"error", error.what()}});
+      const auto* const config = dynamic_cast<const ConfigError*>(&error);
+      const std::string what = config ? input + ": " + inFlags(*config, command) : error.what();
+      context.log().warn("{}", what);
+      files.push_back({{"input", input}, {"error", what}});
       ++failed;
     }
   }
@@ -223,8 +228,8 @@ void convertMany(Context& context, const ConvertOptions& options) {
   if (failed > 0) throw Error("{} of {} were not converted; see above", failed, counted(inputs.size(), "file"));
 }
 
-void convert(Context& context, const ConvertOptions& options) {
-  if (!options.folder.empty()) return convertMany(context, options);
+void convert(Context& context, const ConvertOptions& options, const Options& command) {
+  if (!options.folder.empty()) return convertMany(context, options, command);
   if (options.output.empty()) throw UsageError("output: is required; name a file, or a folder with --to");
   if (!options.more.empty())
     throw UsageError("{} is a third file; several files are converted into a folder, which --to names",
@@ -292,7 +297,7 @@ void addConvert(Options& app, Context& context, Command& command) {
   sub.whenNamed([&, options] {
     for (const Option& option : app.all())
       if (option.name() == "--format" && option.given()) options->ending = option.text();
-    command = [&context, options] { convert(context, *options); };
+    command = [&context, &sub, options] { convert(context, *options, sub); };
   });
 }
 

@@ -1,5 +1,8 @@
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "apps/cli/look.hpp"
 #include "apps/cli/model.hpp"
 #include "apps/cli/results.hpp"
@@ -15,6 +18,9 @@
 #include "engine/core/units.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
+#include "engine/select/expression.hpp"
+#include "engine/select/field_statistics.hpp"
+#include "engine/select/prepared_cloud.hpp"
 #include "engine/touch/memory.hpp"
 #include "haptics/session/simulation.hpp"
 
@@ -37,10 +43,12 @@ struct ModelInfo {
   SpacingRange spacings;
   ModelScale scale;
   GpuMemory memory;
+  std::vector<std::pair<std::string, FieldStatistics>> statistics;  ///< by field
 };
 
 struct InfoOptions {
   std::string file, columns;
+  std::vector<std::string> statistics;
   LookOptions look;
   bool keepUnreliable = false;
   StreamOptions stream;
@@ -78,6 +86,10 @@ ModelInfo infoOf(const Context& context, const InfoOptions& options) {
   info.outliers = countOutside(cloud, info.model.shownBounds());
   info.scale = scaleOf(info.model, 0);
   info.memory = predictGpuMemory(cloud.size(), cloud.hasColors());
+  CloudFields fields(cloud,
+                     {.mm_per_unit = mmPerUnit(cloud, 0), .up = info.upright.up, .threads = context.threads()});
+  for (const std::string& field : options.statistics)
+    info.statistics.emplace_back(field, statisticsOf(valuesOf("--statistics", field, fields)));
   return info;
 }
 
@@ -115,6 +127,36 @@ void printPoints(std::FILE* out, const ModelInfo& info) {
   printMemory(out, info.memory);
 }
 
+void printStatistics(std::FILE* out, const std::string& field, const FieldStatistics& found) {
+  constexpr std::size_t kWidest = 50;  // characters of a bar
+  fmt::print(out, "  {}: {}, {} missing\n", field, counted(found.count, "value"), found.missing);
+  if (found.count == 0) return;
+  fmt::print(out, "    min {:.9g}, max {:.9g}, mean {:.9g}, standard deviation {:.6g}\n", found.min, found.max, found.mean,
+             found.deviation);
+  fmt::print(out, "    percentiles:");
+  for (std::size_t k = 0; k < found.percentiles.size(); ++k)
+    fmt::print(out, " {:g} %: {:.9g}", FieldStatistics::kPercentiles[k], found.percentiles[k]);
+  fmt::print(out, "\n");
+  const std::uint64_t most = *std::ranges::max_element(found.histogram);
+  for (std::size_t k = 0; k < found.histogram.size() && found.max > found.min; ++k) {
+    const double from = std::lerp(found.min, found.max, static_cast<double>(k) / FieldStatistics::kBins);
+    const std::string bar(found.histogram[k] * kWidest / most, '#');
+    fmt::print(out, "    {:>14.6g} {:>10} {}\n", from, found.histogram[k], bar);
+  }
+}
+
+Json statisticsJson(const FieldStatistics& found) {
+  Json json{{"count", found.count}, {"missing", found.missing}};
+  if (found.count == 0) return json;
+  json["min"] = found.min, json["max"] = found.max;
+  json["mean"] = found.mean, json["deviation"] = found.deviation;
+  for (std::size_t k = 0; k < found.percentiles.size(); ++k)
+    json["percentiles"][fmt::format("{:g}", FieldStatistics::kPercentiles[k])] = found.percentiles[k];
+  json["histogram"] = Json::array();
+  for (const std::uint64_t count : found.histogram) json["histogram"].push_back(count);
+  return json;
+}
+
 void print(std::FILE* out, const std::string& file, const ModelInfo& info) {
   fmt::print(out, "{}: {}, {}\n", withShownNames(file), counted(info.model.cloud.size(), "point"), info.format);
   if (!info.contents.madeFrom.empty()) fmt::print(out, "  made from: {}\n", info.contents.madeFrom);
@@ -128,6 +170,7 @@ void print(std::FILE* out, const std::string& file, const ModelInfo& info) {
   if (!info.lost.empty()) fmt::print(out, "  not kept: {}\n", fmt::join(info.lost, ", "));
   if (!info.leftOut.empty()) fmt::print(out, "  left out: {}; --keep-unreliable keeps them\n", info.leftOut);
   if (!info.model.cloud.empty()) printPoints(out, info);
+  for (const auto& [field, found] : info.statistics) printStatistics(out, field, found);
 }
 
 using Value = std::optional<Json>;
@@ -193,6 +236,15 @@ constexpr Reported<ModelInfo> kModelInfo[]{
     {"gpu_bytes.editing", "B", "editing", [](const ModelInfo& i) -> Value { return i.memory.editing; }},
     {"gpu_bytes.edit_log", "B", "the edit log", [](const ModelInfo& i) -> Value { return i.memory.editLog; }},
     {"gpu_bytes.total", "B", "in total", [](const ModelInfo& i) -> Value { return i.memory.total(); }},
+    {"statistics", "",
+     "by field of --statistics: count, missing (values that are not numbers), min, max, mean, deviation (standard "
+     "deviation), percentiles (1, 5, 25, 50, 75, 95, 99), histogram (values in 20 equal parts of min to max)",
+     [](const ModelInfo& i) -> Value {
+       if (i.statistics.empty()) return std::nullopt;
+       Json fields = Json::object();
+       for (const auto& [field, found] : i.statistics) fields[field] = statisticsJson(found);
+       return fields;
+     }},
 };
 
 /// The first rows of a text file, and the names of their columns as understood.
@@ -290,6 +342,10 @@ void addInfo(Options& app, Context& context, Command& command) {
   sub.add("--columns", options->columns,
           "names of the columns of a text file, e.g. x,y,z,intensity; ? shows its first rows as understood")
       .typeName("NAMES");
+  sub.add("--statistics", options->statistics,
+          "statistics of a field, or of an expression of fields, as z, \"intensity / 256\" or density; may be repeated")
+      .repeatable()
+      .typeName("FIELD");
   addLookOptions(sub, options->look);
   addAllPointsOption(sub, options->keepUnreliable);
   sub.heading("Depth camera");

@@ -2,6 +2,7 @@
 
 #include "apps/cli/parse_list.hpp"
 #include "apps/cli/setting_options.hpp"
+#include "engine/select/prepared_cloud.hpp"
 #include "haptics/session/bounds.hpp"
 
 namespace palpate {
@@ -33,23 +34,24 @@ std::optional<Preparation> PrepareOptions::given() const {
   if (!radiusOutliers.empty())
     readPair("--radius-outliers", radiusOutliers, "N,MM, as in 4,2.5", all.radiusNeighbours, all.radius_mm);
   if (all == Preparation{}) return std::nullopt;
-  forEachBounded(settingsOf<Preparation>(), all, [](const Setting<Preparation>& setting, double value) {
-    requireIn(setting.range, pathOf("prepare", setting.name), value);
-  });
+  validate(all);
   return all;
 }
 
 void addPrepareOptions(Options& command, PrepareOptions& options) {
   const auto text = [&](const char* name, std::string& value, const char* form) {
-    addSettingFor<Preparation>(command, value, name).typeName(form);
+    return addSettingFor<Preparation>(command, value, name).typeName(form);
   };
+  // The number of neighbours, which given() checks.
+  const Check neighbours{[](const std::string&) { return std::string(); }, "",
+                         inWords(settingNamed<Preparation>("outlier_neighbours").range)};
   text("crop", options.crop, "X,Y,Z:X,Y,Z");
   text("crop_outside", options.cropOutside, "X,Y,Z:X,Y,Z");
   addSetting(command, options.preparation, "where").typeName("CONDITION");
   addSetting(command, options.preparation, "drop_duplicates");
   const Setting<Preparation>& outliers = settingNamed<Preparation>("outlier_neighbours");
-  command.addFlag(std::string(outliers.flag), options.outliers, "8", std::string(outliers.help)).typeName("K,SIGMA");
-  text("radius_neighbours", options.radiusOutliers, "N,MM");
+  command.addFlag(std::string(outliers.flag), options.outliers, "8", std::string(outliers.help)).check(neighbours).typeName("K,SIGMA");
+  text("radius_neighbours", options.radiusOutliers, "N,MM").check(neighbours);
   addSetting(command, options.preparation, "subsample_mm");
   addSetting(command, options.preparation, "random");
   addSetting(command, options.preparation, "seed").showDefault();

@@ -46,7 +46,14 @@ constexpr DescribedKey kConvert[]{{"input", "", "read file"},
                                   {"frames", "", "frames of a depth camera"},
                                   {"fused", "", "of them, fused"},
                                   {"unplaced", "", "of them, without a pose"},
-                                  {"lost_frames", "", "of them, unreadable"}};
+                                  {"lost_frames", "", "of them, unreadable"},
+                                  {"steps[].step", "", "option that selected, cleaned or set points"},
+                                  {"steps[].points_before", "", "points before it"},
+                                  {"steps[].points", "", "points after it"}};
+
+// With --to: one for each file, with the keys of a single file, or its error.
+constexpr DescribedKey kConvertMany[]{{"files[].error", "", "why a file was not converted"},
+                                      {"failed", "", "files that were not converted"}};
 
 // Results of `palpate info` for a simulated scene.
 constexpr DescribedKey kSceneInfo[]{{"matter", "", "kind of matter"},
@@ -164,6 +171,8 @@ std::vector<ResultFacts> allResults() {
   listResults(all, "info", "", kSceneInfo);
   listResults(all, "make", "", kMake);
   listResults(all, "convert", "", kConvert);
+  listResults(all, "convert", "files[].", kConvert);
+  listResults(all, "convert", "", kConvertMany);
   listResults(all, "render", "", kRender);
   listResults(all, "mesh", "", kMesh);
   listResults(all, "simulate", "", kSimulate);

@@ -168,6 +168,62 @@ std::shared_ptr<PyCloud> PyCloud::of(const py::object& xyz, const py::object& no
 
 namespace {
 
+pp_prepare_options prepareOptions(const std::string& steps, double mm_per_unit, const std::optional<std::string>& up,
+                                  Interruption& interruption) {
+  pp_prepare_options options = pp_default_prepare_options();
+  options.steps = steps.c_str();
+  options.mm_per_unit = mm_per_unit;
+  options.up = up ? up->c_str() : nullptr;
+  options.watch = interruption.watch();
+  return options;
+}
+
+py::array_t<bool> maskOf(const PyCloud& cloud, const std::string& steps, double mm_per_unit,
+                         const std::optional<std::string>& up) {
+  std::vector<std::uint8_t> kept;
+  {
+    Interruption interruption;
+    const pp_prepare_options options = prepareOptions(steps, mm_per_unit, up, interruption);
+    const WithoutGil released;
+    kept = interruption.during([&] { return cloud.cloud().kept(options); });
+  }
+  py::array_t<bool> mask(static_cast<py::ssize_t>(kept.size()));
+  std::copy(kept.begin(), kept.end(), mask.mutable_data());
+  return mask;
+}
+
+std::shared_ptr<PyCloud> preparedCloud(const PyCloud& cloud, const std::string& steps, double mm_per_unit,
+                                       const std::optional<std::string>& up) {
+  Interruption interruption;
+  const pp_prepare_options options = prepareOptions(steps, mm_per_unit, up, interruption);
+  const WithoutGil released;
+  return std::make_shared<PyCloud>(interruption.during([&] { return cloud.cloud().prepared(options); }),
+                                   cloud.isSingle());
+}
+
+py::array_t<double> fieldValues(const PyCloud& cloud, const std::string& number, double mm_per_unit,
+                                const std::optional<std::string>& up) {
+  std::vector<double> values;
+  {
+    Interruption interruption;
+    const pp_prepare_options options = prepareOptions("{}", mm_per_unit, up, interruption);
+    const WithoutGil released;
+    values = interruption.during([&] { return cloud.cloud().compute(number, options); });
+  }
+  return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
+/// The points of a mask, as NumPy has it: bool, one for each point.
+std::shared_ptr<PyCloud> chosenCloud(const PyCloud& cloud, const py::array& mask) {
+  const auto flags = py::array_t<bool, py::array::c_style | py::array::forcecast>(mask);
+  if (!mask.dtype().equal(py::dtype::of<bool>()) || flags.ndim() != 1)
+    refuseType("mask: must be booleans, one for each point, not " + std::string(py::str(mask.dtype())) +
+               " of shape " + shapeOf(mask));
+  const std::vector<std::uint8_t> chosen(flags.data(), flags.data() + flags.size());
+  const WithoutGil released;
+  return std::make_shared<PyCloud>(cloud.cloud().choose(chosen), cloud.isSingle());
+}
+
 void bindCloud(py::module_& module) {
   py::class_<PyCloud, CloudPointer>(
       module, "Cloud",
@@ -186,6 +242,65 @@ void bindCloud(py::module_& module) {
                     (p.colors ? ", colors" : "") + ", " + side(0) + " x " + side(1) + " x " + side(2) + ">";
            })
       .def("__len__", [](const PyCloud& cloud) { return cloud.view().count; })
+      .def("__getitem__", &chosenCloud, py::arg("mask"),
+           "The points where a mask is true: booleans, one for each point, as select() returns them. They keep all\n"
+           "that they have.")
+      .def(
+          "field", &fieldValues, py::arg("number"), py::arg("mm_per_unit") = 0.0, py::arg("up") = py::none(),
+          "field(number, mm_per_unit=0, up=None) -> array\n\n"
+          "(N,) float64: an expression of fields, as 'z - 12.5', 'intensity / 256', or one that is computed: height,\n"
+          "density (1/mm2), roughness (mm), curvature (1/mm), verticality. mm_per_unit: 0: as the file states, or the\n"
+          "longest side is 100 mm. up: 'z', '-y' and such; None: found from the shape. Raises UsageError with the\n"
+          "column of what is wrong, and the names of all fields.")
+      .def(
+          "select",
+          [](const PyCloud& cloud, const std::string& condition, double mm_per_unit,
+             const std::optional<std::string>& up) {
+            return maskOf(cloud, helper("steps")(py::arg("where") = condition).cast<std::string>(), mm_per_unit, up);
+          },
+          py::arg("condition"), py::arg("mm_per_unit") = 0.0, py::arg("up") = py::none(),
+          "select(condition, mm_per_unit=0, up=None) -> mask\n\n"
+          "(N,) bool: where a condition on fields holds, as 'classification == 2 && z > 3'. Comparisons with NaN do\n"
+          "not hold; 64-bit whole numbers are compared exactly. Options and errors as for field().")
+      .def(
+          "outliers",
+          [](const PyCloud& cloud, std::uint32_t neighbours, double sigma) {
+            const auto text = helper("steps")(py::arg("outlier_neighbours") = neighbours,
+                                              py::arg("outlier_sigma") = sigma);
+            return py::object(~maskOf(cloud, text.cast<std::string>(), 0, {}));
+          },
+          py::arg("neighbours") = 8, py::arg("sigma") = 1.0,
+          "outliers(neighbours=8, sigma=1.0) -> mask\n\n"
+          "(N,) bool: points whose mean distance to their nearest neighbours is more than sigma standard deviations\n"
+          "above the mean of all. cloud[~cloud.outliers()] is the cloud without them.")
+      .def(
+          "duplicates",
+          [](const PyCloud& cloud) {
+            return py::object(
+                ~maskOf(cloud, helper("steps")(py::arg("drop_duplicates") = true).cast<std::string>(), 0, {}));
+          },
+          "duplicates() -> mask\n\n"
+          "(N,) bool: points with exactly the coordinates of an earlier one.")
+      .def(
+          "subsample",
+          [](const PyCloud& cloud, double spacing_mm, double mm_per_unit) {
+            return preparedCloud(cloud, helper("steps")(py::arg("subsample_mm") = spacing_mm).cast<std::string>(),
+                                 mm_per_unit, {});
+          },
+          py::arg("spacing_mm"), py::arg("mm_per_unit") = 0.0,
+          "subsample(spacing_mm, mm_per_unit=0) -> Cloud\n\n"
+          "One original point in each cell of this side, the one nearest to its middle. mm_per_unit as for field().")
+      .def(
+          "prepared",
+          [](const PyCloud& cloud, double mm_per_unit, const std::optional<std::string>& up,
+             const py::kwargs& settings) {
+            return preparedCloud(cloud, helper("steps")(**settings).cast<std::string>(), mm_per_unit, up);
+          },
+          py::arg("mm_per_unit") = 0.0, py::arg("up") = py::none(),
+          "prepared(mm_per_unit=0, up=None, **settings) -> Cloud\n\n"
+          "All steps of palpate convert in their order, by the names of the section prepare in the reference: crop,\n"
+          "crop_outside (two corners), where, drop_duplicates, outlier_neighbours, outlier_sigma, radius_neighbours,\n"
+          "radius_mm, subsample_mm, random, seed, set (a list of rules), level. The cloud may be empty.")
       .def("__reduce__", [](const py::object& self) { return helper("reduced")(self); })
       .def("_repr_png_", [](const py::object& self) { return helper("picture")(self); })
       .def_property_readonly(

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/core/error.hpp"
 #include "engine/core/point_set.hpp"
+#include "engine/core/setting.hpp"
 #include "engine/select/fields.hpp"
 
 namespace palpate {
@@ -42,10 +42,10 @@ class Expression {
   std::array<std::uint32_t, 3> registers{};  ///< number of them, by kind
 };
 
-/// What is wrong with a text that is not an expression, and what was expected.
-class ExpressionError : public UsageError {
+/// What is wrong with a text that is not an expression, and what was expected; names its setting or argument.
+class ExpressionError : public ConfigError {
  public:
-  using UsageError::UsageError;
+  using ConfigError::ConfigError;
 };
 
 /// An expression that begins at `begin` of a text.

@@ -97,7 +97,7 @@ class Parser {
 
  private:
   [[noreturn]] void fail(std::size_t at, const std::string& what) const {
-    throw ExpressionError("{}: column {}: {}", name_, charactersOf(text_.substr(0, at)).size() + 1, what);
+    throw ExpressionError(name_, "column {}: {}", charactersOf(text_.substr(0, at)).size() + 1, what);
   }
   [[noreturn]] void failForValue() const {
     std::string what = "a value is expected";

@@ -44,13 +44,13 @@ Target targetOf(std::string_view name, std::string_view rule) {
     }
   }
   if (at == rule.size() || rule.substr(at).starts_with("==") || words.empty() || words.back().empty())
-    throw ExpressionError("{}: column {}: {}", name, charactersOf(rule.substr(0, at)).size() + 1, kForm);
+    throw ExpressionError(name, "column {}: {}", charactersOf(rule.substr(0, at)).size() + 1, kForm);
   Target target{.type = {}, .name = words.back(), .valueAt = at + 1};
   if (words.size() == 1) return target;
   target.type = scalarTypeFromPly(words.front());
   if (words.size() > 2 || !target.type)
-    throw ExpressionError("{}: column 1: '{}' is not a type (int8 to int64, uint8 to uint64, float32, float64); {}",
-                          name, words.front(), kForm);
+    throw ExpressionError(name, "column 1: '{}' is not a type (int8 to int64, uint8 to uint64, float32, float64); {}",
+                          words.front(), kForm);
   return target;
 }
 
@@ -86,7 +86,7 @@ T converted(From value, std::string_view name, std::string_view field, std::uint
       fits = value >= static_cast<double>(Limits::min()) && value < std::ldexp(1.0, Limits::digits);
     }
     if (!fits)
-      throw Error("{}: {} = {} of point {} is not a whole number from {} to {}", name, field, textOf(value), point,
+      throw ConfigError(name, "{} = {} of point {} is not a whole number from {} to {}", field, textOf(value), point,
                   textOf(Limits::min()), textOf(Limits::max()));
     return static_cast<T>(value);
   }
@@ -136,7 +136,7 @@ void setCoordinate(PointCloud& cloud, int axis, const Values& values, const Poin
   std::vector<DVec3> coordinates(cloud.size());
   for (std::size_t i = 0; i < coordinates.size(); ++i) coordinates[i] = cloud.fileCoordinates(i);
   assign<double>(values, which, name, field, [&](std::uint64_t point, double value) {
-    if (!std::isfinite(value)) throw Error("{}: {} = {} of point {} is not a coordinate", name, field, value, point);
+    if (!std::isfinite(value)) throw ConfigError(name, "{} = {} of point {} is not a coordinate", field, value, point);
     coordinates[point][axis] = value;
   });
   movePoints(cloud, coordinates);
@@ -155,17 +155,17 @@ std::size_t applyRule(std::string_view name, std::string_view rule, PointCloud& 
   static constexpr std::array<std::string_view, 9> kOwn{"x", "y", "z", "red", "green", "blue", "nx", "ny", "nz"};
   const std::size_t own = static_cast<std::size_t>(std::ranges::find(kOwn, target.name) - kOwn.begin());
   if (own < kOwn.size() && target.type)
-    throw Error("{}: {} has a type of its own; leave it out", name, target.name);
+    throw ConfigError(name, "{} has a type of its own; leave it out", target.name);
   if (own < 3) {
     setCoordinate(cloud, static_cast<int>(own), values, which, name, target.name);
   } else if (own < 6) {
     setColor(cloud, own - 3, values, which, name, target.name);
   } else if (own < kOwn.size()) {
-    throw Error("{}: {} cannot be set; normals are estimated, oriented or flipped (--normals)", name, target.name);
+    throw ConfigError(name, "{} cannot be set; normals are estimated, oriented or flipped (--normals)", target.name);
   } else if (const auto found = std::ranges::find(cloud.extra, target.name, &Attribute::name);
              found != cloud.extra.end()) {
     if (target.type && *target.type != found->type)
-      throw Error("{}: {} is of the type {} in the file; leave the type out, or name another field", name, target.name,
+      throw ConfigError(name, "{} is of the type {} in the file; leave the type out, or name another field", target.name,
                   plyName(found->type));
     setAttribute(*found, values, which, name);
   } else {

@@ -111,6 +111,7 @@ pp_join_options usual() {
 PALPATE_INIT(cloud_arrays)
 PALPATE_INIT(read_options)
 PALPATE_INIT(write_options)
+PALPATE_INIT(prepare_options)
 PALPATE_INIT(contact_options)
 PALPATE_INIT(tool)
 PALPATE_INIT(vulkan_device)

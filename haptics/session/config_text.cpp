@@ -86,6 +86,13 @@ std::string configText(const SessionConfig& config) {
   return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);  // a file name may be no UTF-8
 }
 
+Preparation parsePreparation(std::string_view text) {
+  Preparation preparation;
+  readSettings("prepare", parsed(text), settingsOf<Preparation>(), preparation);
+  validate(preparation);
+  return preparation;
+}
+
 SessionConfig parseConfig(std::string_view text) {
   SettingsJson json = parsed(text);
   requireObject("", json);

@@ -15,7 +15,9 @@
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/io/saving.hpp"
 #include "engine/select/normal_signs.hpp"
+#include "engine/select/prepared_cloud.hpp"
 #include "haptics/session/bounds.hpp"
+#include "haptics/session/settings.hpp"
 #include "haptics/session/simulation.hpp"
 #include "haptics/session/stream_model.hpp"
 #include "shaders/shared/contact.h"
@@ -55,8 +57,8 @@ namespace {
 void prepare(PointCloud& cloud, const ModelConfig& config, const ModelLoading& loading) {
   const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, config.mm_per_unit), .up = {}, .threads = loading.threads};
   cloud = prepared(std::move(cloud), *config.prepare, fields, [&](const PreparedStep& step) {
-            loading.log.say("{}: {} {}", config.file, step.option, step.what);
-            if (step.after == 0) throw Error("{}: {} {}; no point is left", config.file, step.option, step.what);
+            loading.log.say("{}: {} {}", config.file, flagOf(step.name), step.what);
+            if (step.after == 0) throw Error("{}: {} {}; no point is left", config.file, flagOf(step.name), step.what);
           }).cloud;
 }
 

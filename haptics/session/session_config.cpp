@@ -57,6 +57,8 @@ void validatePrepared(const ModelConfig& model) {
 
 }  // namespace
 
+void validate(const Preparation& preparation) { BoundsCheck()("prepare", preparation); }
+
 void validate(const SessionConfig& config) {
   constexpr BoundsCheck check;
   visitSections(config, check);

@@ -187,6 +187,7 @@ struct SessionConfig {
 
 /// Throws ConfigError that names the first field out of bounds, and the bounds.
 void validate(const SessionConfig& config);
+void validate(const Preparation& preparation);
 
 /// The brush and the tool in model units.
 BrushOptions brushOptions(const BrushConfig& brush, const ModelScale& scale);
@@ -201,5 +202,7 @@ std::uint64_t undoBytes(const UndoConfig& undo);
 std::string configText(const SessionConfig& config);
 /// Reads it. Throws Error for another version, an unknown field or name, and as validate().
 SessionConfig parseConfig(std::string_view text);
+/// The section `prepare` alone, of which any settings may be left out. Throws as parseConfig().
+Preparation parsePreparation(std::string_view text);
 
 }  // namespace palpate

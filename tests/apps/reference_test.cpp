@@ -109,9 +109,11 @@ TEST_CASE("each key that a command writes with --json is in the reference, with 
   const std::vector<std::pair<std::string, std::string>> commands{
       {"make", "make sphere -n 500 -o " + model},
       {"info", "info " + model},
+      {"info", "info " + model + " --statistics z"},
       {"info", "info water"},
       {"info", "info jelly"},
-      {"convert", "convert " + model + " " + in("c.xyz")},
+      {"convert", "convert " + model + " " + in("c.xyz") + " --random 90"},
+      {"convert", "convert " + model + " --to " + in("converted")},
       {"simulate", "simulate water --duration 0.003 --backend cpu --probe 50,20,50"},
       {"touch", "touch " + model + quick + "--edit push --undo 1 --log " + in("l") + " --device sim --tool pad"},
       {"touch", "touch " + model + quick + "--hand path=builtin:slide"},
@@ -123,6 +125,7 @@ TEST_CASE("each key that a command writes with --json is in the reference, with 
       {"bench edit", "bench edit --sizes 2000 --touched 50 --repeat 5 --backend cpu"},
       {"bench matter", "bench matter --sizes 500 --matter soft --repeat 5 --backend cpu"},
       {"bench read", "bench read " + model + " --repeat 5"},
+      {"bench select", "bench select --sizes 500 --repeat 5"},
       {"bench mesh", "bench mesh --sizes 500 --resolution 8 --repeat 1 --shapes sphere --truth-points 500"},
       {"bench stream", "bench stream --sizes 500 --frames 16x12 --repeat 1"},
   };

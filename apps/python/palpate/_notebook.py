@@ -30,6 +30,13 @@ def picture_of_matter(matter: _Matter) -> bytes | None:
     return picture(Cloud(matter.frame().positions))
 
 
+def steps(**settings: Any) -> str:
+    """Settings of a preparation, as the library reads them."""
+    import json
+
+    return json.dumps(settings, default=lambda value: value.tolist())
+
+
 def reduced(cloud: Cloud) -> tuple[Any, tuple[Any, ...]]:
     """For pickle: the arrays, or a file if there are attributes as well."""
     if not cloud.attributes:

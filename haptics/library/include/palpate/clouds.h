@@ -105,6 +105,31 @@ typedef struct pp_attribute {
 PP_API pp_status pp_cloud_attribute_count(pp_cloud cloud, uint64_t* count);
 /** One of the attributes, by its index from 0. PP_ERROR_ARGUMENT if the index is out of range. */
 PP_API pp_status pp_cloud_get_attribute(pp_cloud cloud, uint64_t index, pp_attribute* attribute);
+
+/** How pp_cloud_prepare() and pp_cloud_compute() treat a cloud. */
+typedef struct pp_prepare_options {
+  uint32_t size;      /**< bytes of this struct */
+  uint32_t reserved;  /**< not used */
+  const char* steps;  /**< JSON object of settings of the section `prepare`, as {"where": "z > 3", "subsample_mm": 2}; the
+                         reference page lists them, and their order; null: none */
+  const char* up;     /**< up axis, as "z" or "-y", for heights and for the level; null: found from the shape */
+  double mm_per_unit; /**< of lengths in mm; 0: as the file states, or the longest side is 100 mm */
+  pp_watch watch;     /**< watches this call */
+} pp_prepare_options;
+PP_OPTIONS(prepare_options)
+/** Selects and cleans the points of a cloud, and sets fields. `kept`: receives 1 for each of the `count` points of the
+ * cloud that stay, else 0; null: not wanted. `result`: receives them as a cloud, which may be empty; null: not wanted.
+ * Points keep all that no step sets, bit by bit. PP_ERROR_ARGUMENT for invalid settings and expressions, with the
+ * column. */
+PP_API pp_status pp_cloud_prepare(pp_cloud cloud, const pp_prepare_options* options, uint8_t* kept, uint64_t count,
+                                  pp_cloud* result);
+/** The points of a cloud whose entry in `mask` is not 0, with all that they have. `count` must be the number of points of
+ * the cloud. */
+PP_API pp_status pp_cloud_choose(pp_cloud cloud, const uint8_t* mask, uint64_t count, pp_cloud* result);
+/** Computes a number for each point, as "z", "intensity / 256" or "density". `count` must be the number of points.
+ * Options may be null; their steps are not used. PP_ERROR_ARGUMENT for an invalid expression, with the column. */
+PP_API pp_status pp_cloud_compute(pp_cloud cloud, const char* number, const pp_prepare_options* options, double* values,
+                                  uint64_t count);
 /** Closes the handle and invalidates its views; sessions of the cloud are not affected. */
 PP_API pp_status pp_cloud_close(pp_cloud cloud);
 

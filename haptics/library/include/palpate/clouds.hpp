@@ -38,6 +38,30 @@ class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
     return positions;
   }
 
+  /// Selects and cleans points (pp_cloud_prepare()).
+  Cloud prepared(const pp_prepare_options& options) const {
+    pp_cloud result{};
+    check(pp_cloud_prepare(handle(), &options, nullptr, size(), &result));
+    return Cloud(result);
+  }
+  /// Which points stay: 1, else 0.
+  std::vector<std::uint8_t> kept(const pp_prepare_options& options) const {
+    std::vector<std::uint8_t> kept(size());
+    check(pp_cloud_prepare(handle(), &options, kept.data(), kept.size(), nullptr));
+    return kept;
+  }
+  /// The points whose entry is not 0, one for each point (pp_cloud_choose()).
+  Cloud choose(const std::vector<std::uint8_t>& mask) const {
+    return Cloud(detail::written<pp_cloud>(pp_cloud_choose, handle(), mask.data(), mask.size()));
+  }
+  /// A number for each point (pp_cloud_compute()).
+  std::vector<double> compute(const std::string& number,
+                              const pp_prepare_options& options = pp_default_prepare_options()) const {
+    std::vector<double> values(size());
+    check(pp_cloud_compute(handle(), number.c_str(), &options, values.data(), values.size()));
+    return values;
+  }
+
  private:
   static pp_cloud created(const pp_cloud_arrays& arrays) { return detail::written<pp_cloud>(pp_cloud_create, &arrays); }
 };

@@ -1,4 +1,4 @@
-#include "engine/select/preparation.hpp"
+#include "engine/select/prepared_cloud.hpp"
 
 #include <fmt/ranges.h>
 
@@ -38,7 +38,7 @@ class Preparer {
     std::iota(result_.numbers.begin(), result_.numbers.end(), 0u);
   }
 
-  void keep(std::string_view option, const PointSet& which) {
+  void keep(std::string_view name, const PointSet& which) {
     const std::size_t before = cloud().size();
     std::vector<std::uint32_t> numbers;
     numbers.reserve(which.count());
@@ -47,26 +47,27 @@ class Preparer {
       result_.cloud = chosenPoints(cloud(), which, options_.threads);
       result_.numbers = std::move(numbers);
     }
-    done(option, before, fmt::format("keeps {} of {}", cloud().size(), counted(before, "point")));
+    done(name, before, fmt::format("keeps {} of {}", cloud().size(), counted(before, "point")));
   }
-  void drop(std::string_view option, const PointSet& which) { keep(option, othersThan(which, cloud().size())); }
-  void where(std::string_view option, std::string_view condition, bool holds = true) {
+  void drop(std::string_view name, const PointSet& which) { keep(name, othersThan(which, cloud().size())); }
+  void where(std::string_view name, std::string_view condition, bool holds = true) {
     CloudFields fields(cloud(), options_);
-    const PointSet which = pointsWhere(option, condition, fields);
-    holds ? keep(option, which) : drop(option, which);
+    const PointSet which = pointsWhere(name, condition, fields);
+    holds ? keep(name, which) : drop(name, which);
   }
   void set(const std::string& rule) {
-    const std::size_t count = applyRule("--set", rule, result_.cloud, options_);
-    done("--set", cloud().size(), fmt::format("\"{}\" sets {}", rule, counted(count, "point")));
+    const std::size_t count = applyRule("prepare.set", rule, result_.cloud, options_);
+    done("prepare.set", cloud().size(), fmt::format("\"{}\" sets {}", rule, counted(count, "point")));
   }
   void level() {
     const auto ground = findGround(cloud(), options_.up);
     if (!ground)
-      throw Error("--level: no ground was found: no plane below the rest has a twentieth of the surface; state the up "
-                  "axis (--up), or crop to the part that stands on the ground");
+      throw ConfigError("prepare.level",
+                        "no ground was found: no plane below the rest has a twentieth of the surface; state the up axis, "
+                        "or crop to the part that stands on the ground");
     rotateToZ(result_.cloud, ground->normal);
     setUp(result_.cloud.storedAs.comments, UpAxis::z);
-    done("--level", cloud().size(),
+    done("prepare.level", cloud().size(),
          fmt::format("rotates by {:.3f} degrees; the ground has {:.0f} % of the surface",
                      angleBetween_deg(ground->normal, DVec3(0, 0, 1)), 100 * ground->share));
   }
@@ -76,8 +77,8 @@ class Preparer {
   PreparedCloud result() { return std::move(result_); }
 
  private:
-  void done(std::string_view option, std::size_t before, std::string what) {
-    result_.steps.push_back({option, before, cloud().size(), std::move(what)});
+  void done(std::string_view name, std::size_t before, std::string what) {
+    result_.steps.push_back({name, before, cloud().size(), std::move(what)});
     if (report_) report_(result_.steps.back());
   }
 
@@ -122,23 +123,23 @@ PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const F
                        const std::function<void(const PreparedStep&)>& report) {
   Preparer preparer(std::move(cloud), options, report);
   const unsigned threads = options.threads;
-  if (preparation.crop) preparer.where("--crop", conditionOf(preparation.crop));
-  if (preparation.cropOutside) preparer.where("--crop-outside", conditionOf(preparation.cropOutside), false);
-  if (!preparation.where.empty()) preparer.where("--where", preparation.where);
-  if (preparation.dropDuplicates) preparer.drop("--drop-duplicates", duplicatePoints(preparer.cloud(), threads));
+  if (preparation.crop) preparer.where("prepare.crop", conditionOf(preparation.crop));
+  if (preparation.cropOutside) preparer.where("prepare.crop_outside", conditionOf(preparation.cropOutside), false);
+  if (!preparation.where.empty()) preparer.where("prepare.where", preparation.where);
+  if (preparation.dropDuplicates) preparer.drop("prepare.drop_duplicates", duplicatePoints(preparer.cloud(), threads));
   if (preparation.outlierNeighbours > 0)
-    preparer.drop("--outliers", statisticalOutliers(preparer.cloud(),
+    preparer.drop("prepare.outlier_neighbours", statisticalOutliers(preparer.cloud(),
                                                     static_cast<std::uint32_t>(preparation.outlierNeighbours),
                                                     preparation.outlierSigma, threads));
   if (preparation.radiusNeighbours > 0)
-    preparer.drop("--radius-outliers",
+    preparer.drop("prepare.radius_neighbours",
                   radiusOutliers(preparer.cloud(), static_cast<std::uint32_t>(preparation.radiusNeighbours),
                                  preparer.toUnits(preparation.radius_mm), threads));
   if (preparation.subsample_mm > 0)
-    preparer.keep("--subsample",
+    preparer.keep("prepare.subsample_mm",
                   onePointPerCell(preparer.cloud(), preparer.toUnits(preparation.subsample_mm), threads));
   if (preparation.random > 0)
-    preparer.keep("--random", randomPoints(preparer.cloud().size(), preparation.random, preparation.seed));
+    preparer.keep("prepare.random", randomPoints(preparer.cloud().size(), preparation.random, preparation.seed));
   for (const std::string& rule : preparation.set) preparer.set(rule);
   if (preparation.level && !preparer.cloud().empty()) preparer.level();
   return preparer.result();

@@ -1,0 +1,41 @@
+// Prepares a scan: selects, cleans, subsamples, sets fields and levels, in one pass of a fixed order.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/select/fields.hpp"
+#include "engine/select/preparation.hpp"
+
+namespace palpate {
+
+/// Throws UsageError for corners of a box, as "0,0,0:1,1,1", that are not numbers.
+Corners cornersIn(std::string_view text, std::string_view name);
+std::string cornersText(const Corners& corners);
+
+/// One step of a preparation that was done.
+struct PreparedStep {
+  std::string_view name;  ///< path of its setting: "prepare.where"
+  std::size_t before = 0, after = 0;
+  std::string what;  ///< in words: "keeps 1200 of 5000 points"
+};
+
+struct PreparedCloud {
+  PointCloud cloud;
+  std::vector<std::uint32_t> numbers;  ///< for each point the one that it was
+  std::vector<PreparedStep> steps;
+};
+
+/// Millimetres per unit of a cloud's coordinates: `given` if it is not 0; else the scale that the file states, or that
+/// of its unit of length; else the touch scale, by which the longest side of coreBoundsOf() is 100 mm.
+double mmPerUnit(const PointCloud& cloud, double given);
+
+/// `report` is called after each step, and may throw. Points that stay keep all that no step sets, bit by bit. Throws
+/// ExpressionError, Error and Stopped.
+PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
+                       const std::function<void(const PreparedStep&)>& report = {});
+
+}  // namespace palpate
