@@ -53,7 +53,8 @@ std::vector<Operation> operationsOn(const Model& model, unsigned threads) {
          return applyRule("--set", fmt::format("red = 255 if z > {}", low), kept, options);
        }},
       {"duplicates", [=](const PointCloud& cloud) { return duplicatePoints(cloud, threads).count(); }},
-      {"subsample: 4 spacings", [=](const PointCloud& cloud) { return onePointPerCell(cloud, 4 * spacing, threads).count(); }},
+      {"subsample: 4 spacings",
+       [=](const PointCloud& cloud) { return onePointPerCell(cloud, 4 * spacing, threads).count(); }},
       {"outliers: 8 neighbours",
        [=](const PointCloud& cloud) { return statisticalOutliers(cloud, 8, 1, threads).count(); }},
       {"radius outliers: 4 in 4 spacings",

@@ -9,6 +9,7 @@
 #include "apps/cli/model.hpp"
 #include "apps/cli/output.hpp"
 #include "apps/cli/prepare_options.hpp"
+#include "apps/cli/progress.hpp"
 #include "apps/cli/setting_options.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "engine/cloud/length_unit.hpp"
@@ -121,7 +122,9 @@ Json prepare(Context& context, const ConvertOptions& options, StoredCloud& store
   Json steps = Json::array();
   PointCloud& cloud = stored.cloud;
   if (const std::optional<Preparation> preparation = options.prepare.given()) {
+    Progress progress(context.log(), "select and clean");
     const auto report = [&](const PreparedStep& step) {
+      progress.set(step.share);
       const std::string flag = flagOf(step.name);
       context.log().say("{}: {} {}", options.input, flag, step.what);
       steps.push_back({{"step", flag}, {"points_before", step.before}, {"points", step.after}});

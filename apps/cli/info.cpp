@@ -86,8 +86,7 @@ ModelInfo infoOf(const Context& context, const InfoOptions& options) {
   info.outliers = countOutside(cloud, info.model.shownBounds());
   info.scale = scaleOf(info.model, 0);
   info.memory = predictGpuMemory(cloud.size(), cloud.hasColors());
-  CloudFields fields(cloud,
-                     {.mm_per_unit = mmPerUnit(cloud, 0), .up = info.upright.up, .threads = context.threads()});
+  CloudFields fields(cloud, {.mm_per_unit = mmPerUnit(cloud, 0), .up = info.upright.up, .threads = context.threads()});
   for (const std::string& field : options.statistics)
     info.statistics.emplace_back(field, statisticsOf(valuesOf("--statistics", field, fields)));
   return info;
@@ -131,8 +130,8 @@ void printStatistics(std::FILE* out, const std::string& field, const FieldStatis
   constexpr std::size_t kWidest = 50;  // characters of a bar
   fmt::print(out, "  {}: {}, {} missing\n", field, counted(found.count, "value"), found.missing);
   if (found.count == 0) return;
-  fmt::print(out, "    min {:.9g}, max {:.9g}, mean {:.9g}, standard deviation {:.6g}\n", found.min, found.max, found.mean,
-             found.deviation);
+  fmt::print(out, "    min {:.9g}, max {:.9g}, mean {:.9g}, standard deviation {:.6g}\n", found.min, found.max,
+             found.mean, found.deviation);
   fmt::print(out, "    percentiles:");
   for (std::size_t k = 0; k < found.percentiles.size(); ++k)
     fmt::print(out, " {:g} %: {:.9g}", FieldStatistics::kPercentiles[k], found.percentiles[k]);

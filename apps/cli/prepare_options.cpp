@@ -10,8 +10,7 @@ namespace palpate {
 namespace {
 
 // A whole number and, behind a comma, a length or a factor.
-void readPair(const std::string& option, const std::string& text, const char* form, std::size_t& count,
-              double& value) {
+void readPair(const std::string& option, const std::string& text, const char* form, std::size_t& count, double& value) {
   const auto [first, second] = parseList<double, 2>(text, ',', option, form);
   if (!(first >= 1 && first <= bounds::kMaxNeighbours && first == static_cast<double>(static_cast<int>(first))))
     throw UsageError("{}: '{}' is not {}: the number is not a whole number from 1 to {}", option, text, form,
@@ -50,7 +49,9 @@ void addPrepareOptions(Options& command, PrepareOptions& options) {
   addSetting(command, options.preparation, "where").typeName("CONDITION");
   addSetting(command, options.preparation, "drop_duplicates");
   const Setting<Preparation>& outliers = settingNamed<Preparation>("outlier_neighbours");
-  command.addFlag(std::string(outliers.flag), options.outliers, "8", std::string(outliers.help)).check(neighbours).typeName("K,SIGMA");
+  command.addFlag(std::string(outliers.flag), options.outliers, "8", std::string(outliers.help))
+      .check(neighbours)
+      .typeName("K,SIGMA");
   text("radius_neighbours", options.radiusOutliers, "N,MM").check(neighbours);
   addSetting(command, options.preparation, "subsample_mm");
   addSetting(command, options.preparation, "random");

@@ -217,8 +217,8 @@ py::array_t<double> fieldValues(const PyCloud& cloud, const std::string& number,
 std::shared_ptr<PyCloud> chosenCloud(const PyCloud& cloud, const py::array& mask) {
   const auto flags = py::array_t<bool, py::array::c_style | py::array::forcecast>(mask);
   if (!mask.dtype().equal(py::dtype::of<bool>()) || flags.ndim() != 1)
-    refuseType("mask: must be booleans, one for each point, not " + std::string(py::str(mask.dtype())) +
-               " of shape " + shapeOf(mask));
+    refuseType("mask: must be booleans, one for each point, not " + std::string(py::str(mask.dtype())) + " of shape " +
+               shapeOf(mask));
   const std::vector<std::uint8_t> chosen(flags.data(), flags.data() + flags.size());
   const WithoutGil released;
   return std::make_shared<PyCloud>(cloud.cloud().choose(chosen), cloud.isSingle());
@@ -265,8 +265,8 @@ void bindCloud(py::module_& module) {
       .def(
           "outliers",
           [](const PyCloud& cloud, std::uint32_t neighbours, double sigma) {
-            const auto text = helper("steps")(py::arg("outlier_neighbours") = neighbours,
-                                              py::arg("outlier_sigma") = sigma);
+            const auto text =
+                helper("steps")(py::arg("outlier_neighbours") = neighbours, py::arg("outlier_sigma") = sigma);
             return py::object(~maskOf(cloud, text.cast<std::string>(), 0, {}));
           },
           py::arg("neighbours") = 8, py::arg("sigma") = 1.0,

@@ -92,12 +92,11 @@ void view(Context& context, const ViewCommandOptions& options) {
                    .size_px = {width, height},
                    .held = held};
   if (!options.script.empty()) view.script = readScript(options.script);
-  view.session.config.model =
-      ModelOptions{.scale = options.scale,
-                   .normals = options.normals,
-                   .keepUnreliable = options.keepUnreliable,
-                   .prepare = options.prepare}
-          .config();
+  view.session.config.model = ModelOptions{.scale = options.scale,
+                                           .normals = options.normals,
+                                           .keepUnreliable = options.keepUnreliable,
+                                           .prepare = options.prepare}
+                                  .config();
   view.session.exceedsMemory = context.isForced();
   view.session.config.rate_Hz = options.rate_Hz;
   view.session.config.motion = motionConfig(options.motion);

@@ -56,14 +56,10 @@ PlaneFit fitPlane(std::span<const Vec3> points, std::span<const std::uint32_t> a
   return {Vec3(eigen.vectors[0]), eigen.values[0] / count, eigen.values[1] / count};
 }
 
-}  // namespace
-
-void fitNearestPlanes(std::span<const Vec3> points, std::span<const std::uint32_t> which, unsigned neighbours,
-                      std::span<FittedPlane> planes, NeighbourGraph& graph, unsigned threads) {
-  if (which.empty()) return;
+void fitPlanes(const PointTree& tree, std::span<const Vec3> points, std::span<const std::uint32_t> which,
+               unsigned neighbours, std::span<FittedPlane> planes, NeighbourGraph& graph, unsigned threads) {
   const auto most = [&](std::size_t count) { return std::min(std::max<std::size_t>(count, 1), points.size()); };
   const std::size_t few = most(neighbours), many = most(std::size_t{neighbours} * kWider);
-  const PointTree tree(points);
   parallelFor(which.size(), threads, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> around(many);
     std::vector<double> squaredDistances(many);
@@ -86,10 +82,10 @@ void fitNearestPlanes(std::span<const Vec3> points, std::span<const std::uint32_
   });
 }
 
-std::vector<Vec3> keepEdges(std::span<const Vec3> points, std::span<const FittedPlane> planes, unsigned threads) {
+std::vector<Vec3> keptEdges(const PointTree& tree, std::span<const Vec3> points, std::span<const FittedPlane> planes,
+                            unsigned threads) {
   PALPATE_CHECK_EQ(points.size(), planes.size());
   std::vector<Vec3> normals(points.size());
-  const PointTree tree(points);
   const std::size_t most = std::min(kAroundEdge, points.size());
   parallelFor(points.size(), threads, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> around(most);
@@ -129,6 +125,17 @@ std::vector<Vec3> keepEdges(std::span<const Vec3> points, std::span<const Fitted
   return normals;
 }
 
+}  // namespace
+
+void fitNearestPlanes(std::span<const Vec3> points, std::span<const std::uint32_t> which, unsigned neighbours,
+                      std::span<FittedPlane> planes, NeighbourGraph& graph, unsigned threads) {
+  if (!which.empty()) fitPlanes(PointTree(points), points, which, neighbours, planes, graph, threads);
+}
+
+std::vector<Vec3> keepEdges(std::span<const Vec3> points, std::span<const FittedPlane> planes, unsigned threads) {
+  return keptEdges(PointTree(points), points, planes, threads);
+}
+
 void signNormals(std::span<const Vec3> points, std::span<const FittedPlane> planes, const NeighbourGraph& graph,
                  std::span<Vec3> normals, unsigned threads) {
   std::vector<Vec3> signedPlanes;
@@ -147,8 +154,9 @@ void estimateNormals(PointCloud& cloud, unsigned neighbours, unsigned threads) {
   graph.neighbours.resize(graph.degree * count);
   std::vector<std::uint32_t> all(count);
   std::iota(all.begin(), all.end(), 0u);
-  fitNearestPlanes(places.positions, all, neighbours, planes, graph, threads);
-  std::vector<Vec3> normals = keepEdges(places.positions, planes, threads);
+  const PointTree tree(places.positions);
+  fitPlanes(tree, places.positions, all, neighbours, planes, graph, threads);
+  std::vector<Vec3> normals = keptEdges(tree, places.positions, planes, threads);
   signNormals(places.positions, planes, graph, normals, threads);
   spreadNormals(cloud, places, normals);
 }

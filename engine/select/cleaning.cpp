@@ -30,7 +30,8 @@ struct KeyedPoint {
 /// Calls use(points) for the points of each key, in their order; from many threads.
 void forEachKey(BareVector<KeyedPoint>& entries, unsigned bits, unsigned threads, auto&& use) {
   parallelRadixSort(entries, bits, threads, [](const KeyedPoint& entry) { return entry.key; });
-  const auto runs = parallelRuns(entries.size(), threads, [&](std::size_t i) { return entries[i].key == entries[i - 1].key; });
+  const auto runs =
+      parallelRuns(entries.size(), threads, [&](std::size_t i) { return entries[i].key == entries[i - 1].key; });
   parallelFor(runs.size() - 1, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t run = begin; run < end; ++run)
       use(std::span<const KeyedPoint>(entries).subspan(runs[run], runs[run + 1] - runs[run]));
@@ -93,7 +94,8 @@ PointSet radiusOutliers(const PointCloud& cloud, std::uint32_t neighbours, doubl
   return pointsThat(cloud.size(), threads, [&](std::size_t i) {
     std::size_t found = 0;  // with the point itself
     const auto goesOn = [&](std::size_t) { return found <= neighbours; };
-    grid.forEachNearWhile(DVec3(cloud.positions[i]), radius, [&](const SortedGrid::Placed&) { ++found; }, goesOn);
+    grid.forEachNearWhile(
+        DVec3(cloud.positions[i]), radius, [&](const SortedGrid::Placed&) { ++found; }, goesOn);
     return found <= neighbours;
   });
 }
@@ -135,9 +137,10 @@ PointSet onePointPerCell(const PointCloud& cloud, double side, unsigned threads)
     bits += counts[k] < kMaxCells ? static_cast<unsigned>(std::bit_width(static_cast<std::uint64_t>(counts[k]))) : 64;
   }
   if (bits > 64)
-    throw Error("a cloud of {:.6g} x {:.6g} x {:.6g} spacings is too large to be subsampled; remove far points first, "
-                "or use a larger spacing",
-                counts.x, counts.y, counts.z);
+    throw Error(
+        "a cloud of {:.6g} x {:.6g} x {:.6g} spacings is too large to be subsampled; remove far points first, "
+        "or use a larger spacing",
+        counts.x, counts.y, counts.z);
   const auto placed = [&](std::size_t i) { return DVec3(cloud.positions[i]); };
   auto entries = parallelMake(cloud.size(), threads, [&](std::size_t i) {
     const DVec3 cell = cellOf(placed(i)) - low;

@@ -99,20 +99,33 @@ class BlockMachine {
     T* const to = compares || step.operation == Operation::toNumber ? nullptr : &registers[step.to * kBlock];
     std::uint8_t* const truth = compares ? &truths_[step.to * kBlock] : nullptr;
     switch (step.operation) {
-      case Operation::add: return each(to, a, b, [](T x, T y) { return sum(x, y); });
-      case Operation::subtract: return each(to, a, b, [](T x, T y) { return difference(x, y); });
-      case Operation::multiply: return each(to, a, b, [](T x, T y) { return product(x, y); });
-      case Operation::modulo: return each(to, a, b, [](T x, T y) { return remainder(x, y); });
+      case Operation::add:
+        return each(to, a, b, [](T x, T y) { return sum(x, y); });
+      case Operation::subtract:
+        return each(to, a, b, [](T x, T y) { return difference(x, y); });
+      case Operation::multiply:
+        return each(to, a, b, [](T x, T y) { return product(x, y); });
+      case Operation::modulo:
+        return each(to, a, b, [](T x, T y) { return remainder(x, y); });
       // Both are NaN if one is.
-      case Operation::min: return each(to, a, b, [](T x, T y) { return (x < y) | (x != x) ? x : y; });
-      case Operation::max: return each(to, a, b, [](T x, T y) { return (x > y) | (x != x) ? x : y; });
-      case Operation::negate: return each(to, a, a, [](T x, T) { return -x; });
-      case Operation::abs: return each(to, a, a, [](T x, T) { return x < 0 ? -x : x; });
-      case Operation::less: return each(truth, a, b, [](T x, T y) { return x < y; });
-      case Operation::lessOrEqual: return each(truth, a, b, [](T x, T y) { return x <= y; });
-      case Operation::equal: return each(truth, a, b, [](T x, T y) { return x == y; });
-      case Operation::notEqual: return each(truth, a, b, [](T x, T y) { return (x < y) | (x > y); });
-      default: break;
+      case Operation::min:
+        return each(to, a, b, [](T x, T y) { return (x < y) | (x != x) ? x : y; });
+      case Operation::max:
+        return each(to, a, b, [](T x, T y) { return (x > y) | (x != x) ? x : y; });
+      case Operation::negate:
+        return each(to, a, a, [](T x, T) { return -x; });
+      case Operation::abs:
+        return each(to, a, a, [](T x, T) { return x < 0 ? -x : x; });
+      case Operation::less:
+        return each(truth, a, b, [](T x, T y) { return x < y; });
+      case Operation::lessOrEqual:
+        return each(truth, a, b, [](T x, T y) { return x <= y; });
+      case Operation::equal:
+        return each(truth, a, b, [](T x, T y) { return x == y; });
+      case Operation::notEqual:
+        return each(truth, a, b, [](T x, T y) { return (x < y) | (x > y); });
+      default:
+        break;
     }
     if constexpr (std::is_same_v<T, double>) {
       if (step.operation == Operation::divide) return each(to, a, b, [](T x, T y) { return x / y; });

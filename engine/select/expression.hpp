@@ -16,10 +16,25 @@ class Expression {
  public:
   enum class Kind : std::uint8_t { number, whole, truth };
   enum class Operation : std::uint8_t {
-    add, subtract, multiply, divide, modulo, min, max, negate, abs, sqrt, floor,  // numbers
-    less, lessOrEqual, equal, notEqual,                                           // of numbers: truths
-    both, either, invert,                                                         // truths
-    toNumber,                                                                     // of a whole number
+    add,
+    subtract,
+    multiply,
+    divide,
+    modulo,
+    min,
+    max,
+    negate,
+    abs,
+    sqrt,
+    floor,  // numbers
+    less,
+    lessOrEqual,
+    equal,
+    notEqual,  // of numbers: truths
+    both,
+    either,
+    invert,    // truths
+    toNumber,  // of a whole number
   };
   /// Sets register `to` from `a` and `b`; all three are of `kind`, unless the operation changes it.
   struct Step {

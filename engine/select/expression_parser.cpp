@@ -1,5 +1,5 @@
-// The parser of expressions: recursive descent (Aho, Lam, Sethi and Ullman 2007, section 4.4), which emits the steps of a
-// stack machine whose stack is a row of registers.
+// The parser of expressions: recursive descent (Aho, Lam, Sethi and Ullman 2007, section 4.4), which emits the steps of
+// a stack machine whose stack is a row of registers.
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 using Operation = Expression::Operation;
 using Kind = Expression::Kind;
 
-constexpr int kMaxDepth = 200;            // of parentheses, signs and calls within each other
+constexpr int kMaxDepth = 200;             // of parentheses, signs and calls within each other
 constexpr std::size_t kMaxText = 100'000;  // characters
 
 struct Function {
@@ -82,7 +82,8 @@ class Parser {
     Operand result = truth ? disjunction() : sum();
     const std::string_view next = peek();
     const bool ends = at_ == text_.size() || next == "if";
-    if (!ends && !truth && isComparing(next)) fail(at_, fmt::format("a number is expected, not a comparison '{}'", next));
+    if (!ends && !truth && isComparing(next))
+      fail(at_, fmt::format("a number is expected, not a comparison '{}'", next));
     if (!ends) fail(at_, fmt::format("'{}' is not expected after '{}'", next, last_));
     if (truth && result.kind != Kind::truth)
       fail(begin, "a condition is expected, and this is a number; compare it, as in z > 3");
@@ -138,17 +139,17 @@ class Parser {
     }
     return rest.substr(0, length);
   }
-  std::string_view take() {
+  std::string_view advance() {
     last_ = peek();
     at_ += last_.size();
     return last_;
   }
-  bool takes(std::string_view sign) {
+  bool accepts(std::string_view sign) {
     if (peek() != sign) return false;
-    take();
+    advance();
     return true;
   }
-  bool takesEither(std::string_view sign, std::string_view other) { return takes(sign) || takes(other); }
+  bool acceptsEither(std::string_view sign, std::string_view other) { return accepts(sign) || accepts(other); }
 
   // Registers.
   std::uint32_t& live(Kind kind) { return live_[static_cast<std::size_t>(kind)]; }
@@ -192,9 +193,7 @@ class Parser {
   }
   // Both become whole numbers if each is one, in a field or as a literal; else both become numbers.
   Kind join(Operand& a, Operand& b) {
-    const auto canBeWhole = [](const Operand& x) {
-      return x.kind == Kind::whole || (x.literal && x.literal->whole);
-    };
+    const auto canBeWhole = [](const Operand& x) { return x.kind == Kind::whole || (x.literal && x.literal->whole); };
     const bool whole = (a.kind == Kind::whole || b.kind == Kind::whole) && canBeWhole(a) && canBeWhole(b);
     for (Operand* const each : {&a, &b})
       if (!whole)
@@ -212,19 +211,18 @@ class Parser {
   }
   void requireTruth(const Operand& operand, std::string_view sign) const {
     if (operand.kind != Kind::truth)
-      fail(operand.begin,
-           fmt::format("'{}' is of conditions, and this is a number; compare it, as in z > 3", sign));
+      fail(operand.begin, fmt::format("'{}' is of conditions, and this is a number; compare it, as in z > 3", sign));
   }
 
   // Grammar, from the weakest binding on.
   Operand disjunction() {
     Operand left = conjunction();
-    while (takesEither("||", "|")) left = joined(std::move(left), Operation::either, &Parser::conjunction);
+    while (acceptsEither("||", "|")) left = joined(std::move(left), Operation::either, &Parser::conjunction);
     return left;
   }
   Operand conjunction() {
     Operand left = comparison();
-    while (takesEither("&&", "&")) left = joined(std::move(left), Operation::both, &Parser::comparison);
+    while (acceptsEither("&&", "&")) left = joined(std::move(left), Operation::both, &Parser::comparison);
     return left;
   }
   Operand joined(Operand left, Operation operation, Operand (Parser::*next)()) {
@@ -238,7 +236,7 @@ class Parser {
   Operand comparison() {
     Operand left = sum();
     for (const Comparison* found = comparisonNext(); found; found = comparisonNext()) {
-      take();
+      advance();
       requireNumber(left, found->sign);
       Operand right = sum();
       requireNumber(right, found->sign);
@@ -278,7 +276,7 @@ class Parser {
     return left;
   }
   Operand calculated(Operand left, Operation operation, Operand (Parser::*next)()) {
-    const std::string_view sign = take();
+    const std::string_view sign = advance();
     requireNumber(left, sign);
     Operand right = (this->*next)();
     requireNumber(right, sign);
@@ -305,8 +303,8 @@ class Parser {
   void calculate(Operand& left, Operation operation, Operand& right) {
     if (left.literal && right.literal && isFolded(*left.literal, operation, *right.literal)) return;
     // A remainder by zero is NaN, which no whole number is.
-    const bool divides = operation == Operation::modulo &&
-                         !(right.literal && right.literal->whole && *right.literal->whole != 0);
+    const bool divides =
+        operation == Operation::modulo && !(right.literal && right.literal->whole && *right.literal->whole != 0);
     if (operation == Operation::divide || divides) becomeNumber(left), becomeNumber(right);
     if (operation == Operation::divide || divides)
       for (Operand* const each : {&left, &right})
@@ -316,7 +314,8 @@ class Parser {
   }
 
   Operand factor() {
-    if (++depth_ > kMaxDepth) fail(at_, fmt::format("more than {} parentheses and signs are within each other", kMaxDepth));
+    if (++depth_ > kMaxDepth)
+      fail(at_, fmt::format("more than {} parentheses and signs are within each other", kMaxDepth));
     Operand result = primary();
     --depth_;
     return result;
@@ -327,10 +326,9 @@ class Parser {
     if (next == "(") return inParentheses();
     if (next == "-" || next == "+") return withSign();
     if (next == "!") {
-      take();
+      advance();
       Operand inside = factor();
-      if (inside.kind != Kind::truth)
-        fail(begin, "'!' is of a condition; write it in parentheses, as in !(z > 3)");
+      if (inside.kind != Kind::truth) fail(begin, "'!' is of a condition; write it in parentheses, as in !(z > 3)");
       emit(inside, Operation::invert, Kind::truth, inside, inside, Kind::truth);
       inside.begin = begin;
       return inside;
@@ -342,17 +340,18 @@ class Parser {
   }
   Operand inParentheses() {
     const std::size_t begin = at_;
-    take();
+    advance();
     Operand inside = disjunction();
-    if (!takes(")")) fail(at_, fmt::format("')' is expected for the '(' in column {}",
-                                           charactersOf(text_.substr(0, begin)).size() + 1));
+    if (!accepts(")"))
+      fail(at_,
+           fmt::format("')' is expected for the '(' in column {}", charactersOf(text_.substr(0, begin)).size() + 1));
     inside.begin = begin;
     inside.isSingle = false;
     return inside;
   }
   Operand withSign() {
     const std::size_t begin = at_;
-    const std::string_view sign = take();
+    const std::string_view sign = advance();
     Operand inside = factor();
     requireNumber(inside, sign);
     inside.begin = begin;
@@ -367,7 +366,7 @@ class Parser {
   }
   Operand literal() {
     Operand result{.begin = at_};
-    const std::string_view digits = take();
+    const std::string_view digits = advance();
     Literal& value = result.literal.emplace();
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value.number);
     if (error != std::errc() || end != digits.data() + digits.size())
@@ -384,7 +383,7 @@ class Parser {
   }
   Operand named() {
     Operand result{.begin = at_};
-    std::string_view word = take();
+    std::string_view word = advance();
     if (isLetter(word[0]) && peek() == "(") return called(word, result.begin);
     if (!isLetter(word[0])) word = word.substr(1, word.size() - 2);
     const auto field = fields_.find(word);
@@ -408,14 +407,16 @@ class Parser {
       for (const Function& each : kFunctions) names.emplace_back(each.name);
       fail(begin, unknownName("function", word, names));
     }
-    take();  // the parenthesis
+    advance();  // the parenthesis
     Operand result = argument(*found);
     for (int more = 1; more < found->arguments; ++more) {
-      if (!takes(",")) fail(at_, fmt::format("',' is expected: {} is of {} numbers", word, found->arguments));
+      if (!accepts(",")) fail(at_, fmt::format("',' is expected: {} is of {} numbers", word, found->arguments));
       Operand next = argument(*found);
       calculate(result, found->operation, next);
     }
-    if (!takes(")")) fail(at_, fmt::format("')' is expected after {} of {}", found->arguments == 1 ? "the number" : "the numbers", word));
+    if (!accepts(")"))
+      fail(at_,
+           fmt::format("')' is expected after {} of {}", found->arguments == 1 ? "the number" : "the numbers", word));
     if (found->arguments == 1) {
       if (!found->keepsWhole) becomeNumber(result);
       settle(result);
@@ -434,7 +435,7 @@ class Parser {
   // Final registers: constants, then what is read, then temporaries.
   void finish() {
     const std::array<std::size_t, 3> constants{program_.numbers.size(), program_.wholes.size(), 0};
-    const auto place = [&](std::uint32_t& at, Kind kind) {
+    const auto number = [&](std::uint32_t& at, Kind kind) {
       const auto k = static_cast<std::size_t>(kind);
       const auto use = static_cast<Use>(at >> kUseShift);
       const std::size_t before = use == Use::constant ? 0 : constants[k] + (use == Use::read ? 0 : reads_[k]);
@@ -442,14 +443,14 @@ class Parser {
     };
     for (std::size_t k = 0; k < 3; ++k)
       program_.registers[k] = static_cast<std::uint32_t>(constants[k]) + reads_[k] + temporaries_[k];
-    for (Expression::Read& read : program_.reads) place(read.to, read.kind);
+    for (Expression::Read& read : program_.reads) number(read.to, read.kind);
     for (Expression::Step& step : program_.steps) {
       const bool compares = step.operation >= Operation::less && step.operation <= Operation::notEqual;
-      place(step.to, compares ? Kind::truth : step.operation == Operation::toNumber ? Kind::number : step.kind);
-      place(step.a, step.kind);
-      place(step.b, step.kind);
+      number(step.to, compares ? Kind::truth : step.operation == Operation::toNumber ? Kind::number : step.kind);
+      number(step.a, step.kind);
+      number(step.b, step.kind);
     }
-    place(program_.result, program_.kind);
+    number(program_.result, program_.kind);
   }
 
   std::string_view name_, text_;

@@ -24,8 +24,9 @@ struct Target {
   std::size_t valueAt;  // where the number begins in the text
 };
 
-constexpr std::string_view kForm = "a rule has the form [TYPE] NAME = NUMBER [if CONDITION], as in "
-                                   "classification = 6 if z > 3";
+constexpr std::string_view kForm =
+    "a rule has the form [TYPE] NAME = NUMBER [if CONDITION], as in "
+    "classification = 6 if z > 3";
 
 Target targetOf(std::string_view name, std::string_view rule) {
   std::vector<std::string> words;
@@ -87,7 +88,7 @@ T converted(From value, std::string_view name, std::string_view field, std::uint
     }
     if (!fits)
       throw ConfigError(name, "{} = {} of point {} is not a whole number from {} to {}", field, textOf(value), point,
-                  textOf(Limits::min()), textOf(Limits::max()));
+                        textOf(Limits::min()), textOf(Limits::max()));
     return static_cast<T>(value);
   }
 }
@@ -125,9 +126,8 @@ void setColor(PointCloud& cloud, std::size_t channel, const Values& values, cons
               std::string_view name, std::string_view field) {
   auto colors = cloud.colors;
   if (colors.empty()) colors.assign(cloud.size(), kUnpainted);
-  assign<std::uint8_t>(values, which, name, field, [&](std::uint64_t point, std::uint8_t value) {
-    colors[point][channel] = value;
-  });
+  assign<std::uint8_t>(values, which, name, field,
+                       [&](std::uint64_t point, std::uint8_t value) { colors[point][channel] = value; });
   cloud.colors = std::move(colors);
 }
 
@@ -154,8 +154,7 @@ std::size_t applyRule(std::string_view name, std::string_view rule, PointCloud& 
   const Values values = evaluated(number.expression, fields);
   static constexpr std::array<std::string_view, 9> kOwn{"x", "y", "z", "red", "green", "blue", "nx", "ny", "nz"};
   const std::size_t own = static_cast<std::size_t>(std::ranges::find(kOwn, target.name) - kOwn.begin());
-  if (own < kOwn.size() && target.type)
-    throw ConfigError(name, "{} has a type of its own; leave it out", target.name);
+  if (own < kOwn.size() && target.type) throw ConfigError(name, "{} has a type of its own; leave it out", target.name);
   if (own < 3) {
     setCoordinate(cloud, static_cast<int>(own), values, which, name, target.name);
   } else if (own < 6) {
@@ -165,8 +164,8 @@ std::size_t applyRule(std::string_view name, std::string_view rule, PointCloud& 
   } else if (const auto found = std::ranges::find(cloud.extra, target.name, &Attribute::name);
              found != cloud.extra.end()) {
     if (target.type && *target.type != found->type)
-      throw ConfigError(name, "{} is of the type {} in the file; leave the type out, or name another field", target.name,
-                  plyName(found->type));
+      throw ConfigError(name, "{} is of the type {} in the file; leave the type out, or name another field",
+                        target.name, plyName(found->type));
     setAttribute(*found, values, which, name);
   } else {
     const ScalarType usual = number.expression.kind == Expression::Kind::whole ? ScalarType::i64 : ScalarType::f64;

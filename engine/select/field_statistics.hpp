@@ -15,9 +15,9 @@ struct FieldStatistics {
   std::uint64_t count = 0;    ///< values that are numbers; without any, all others are 0
   std::uint64_t missing = 0;  ///< NaN
   double min = 0, max = 0, mean = 0;
-  double deviation = 0;                                  ///< standard deviation, of count - 1; 0 for a single value
+  double deviation = 0;                                   ///< standard deviation, of count - 1; 0 for a single value
   std::array<double, kPercentiles.size()> percentiles{};  ///< interpolated between the values next to them
-  std::array<std::uint64_t, kBins> histogram{};          ///< values in equal parts of min to max, max in the last one
+  std::array<std::uint64_t, kBins> histogram{};           ///< values in equal parts of min to max, max in the last one
 };
 /// Infinite values are in percentiles alone, and make mean and deviation NaN.
 FieldStatistics statisticsOf(std::span<const double> values);

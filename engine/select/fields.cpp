@@ -34,8 +34,7 @@ CloudFields::CloudFields(const PointCloud& cloud, const FieldOptions& options)
   for (std::size_t k = 0; k < 3; ++k) add(std::array{"x", "y", "z"}[k], coordinate, k, single);
   for (std::size_t k = 0; cloud.hasNormals() && k < 3; ++k)
     add(std::array{"nx", "ny", "nz"}[k], normal, k, stored.normal == ScalarType::f32);
-  for (std::size_t k = 0; cloud.hasColors() && k < 3; ++k)
-    add(std::array{"red", "green", "blue"}[k], color, k, false);
+  for (std::size_t k = 0; cloud.hasColors() && k < 3; ++k) add(std::array{"red", "green", "blue"}[k], color, k, false);
   for (std::size_t k = 0; k < cloud.extra.size(); ++k) {
     const Attribute& each = cloud.extra[k];
     fields_.push_back({.name = each.name,

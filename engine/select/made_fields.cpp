@@ -59,8 +59,7 @@ double sphereCurvature(const shared::SurfaceSumsOf<double>& sums) {
   const double turn = (sums.products.y - glm::dot(offsets, normals) / weights) / weights;
   if (!(spread > 0)) return kNone;
   const double strongest = 0.5 * static_cast<double>(shared::kStrongestCurvature);
-  const double u4 =
-      std::clamp(0.5 * turn / (spread + static_cast<double>(shared::kMinSpread)), -strongest, strongest);
+  const double u4 = std::clamp(0.5 * turn / (spread + static_cast<double>(shared::kMinSpread)), -strongest, strongest);
   const DVec3 ul = (normals - 2 * u4 * offsets) / weights;
   const double u0 = -(glm::dot(ul, offsets) + u4 * sums.products.x) / weights;
   const double slope = std::sqrt(std::max(glm::dot(ul, ul) - 4 * u0 * u4, 0.0));
@@ -80,9 +79,8 @@ std::vector<double> overNeighbourhoods(const PointCloud& cloud, double radius, u
     for (std::size_t i = begin; i < end; ++i) {
       const DVec3 center(cloud.positions[i]);
       values[i] = valueOf(i, [&](auto&& visit) {
-        grid.forEachNear(center, radius, [&](const SortedGrid::Placed& near) {
-          visit(DVec3(near.position) - center, near.number);
-        });
+        grid.forEachNear(center, radius,
+                         [&](const SortedGrid::Placed& near) { visit(DVec3(near.position) - center, near.number); });
       });
     }
   });
@@ -126,9 +124,9 @@ std::vector<double> curvatures(const PointCloud& cloud, double radius, double mm
 std::vector<double> madeField(const PointCloud& cloud, MadeField field, const FieldOptions& options) {
   const auto up = [&] { return options.up ? *options.up : findUp(cloud).up; };
   if (field == MadeField::height) return heights(cloud, up());
-  const double radius = options.radius > 0 ? options.radius
-                                           : static_cast<double>(shared::kSupportSpacings) *
-                                                 meanSpacing(cloud, options.threads);
+  const double radius = options.radius > 0
+                            ? options.radius
+                            : static_cast<double>(shared::kSupportSpacings) * meanSpacing(cloud, options.threads);
   const double radius_mm = radius * options.mm_per_unit;
   if (field == MadeField::curvature) return curvatures(cloud, radius, options.mm_per_unit, options.threads);
   if (field == MadeField::density)

@@ -22,19 +22,19 @@ struct Plane {
   double above(const DVec3& p) const { return glm::dot(normal, p) - offset; }
 };
 
-/// The least-squares plane of the places within `thickness` of one, facing alike.
-template <class Places>
-std::optional<Plane> fitted(const Plane& plane, const Places& places, double thickness) {
+/// The least-squares plane of the points within `thickness` of one, facing alike.
+template <class Points>
+std::optional<Plane> fitted(const Plane& plane, const Points& points, double thickness) {
   const auto isIn = [&](const DVec3& p) { return std::abs(plane.above(p)) <= thickness; };
   DVec3 mean(0);
   double count = 0;
-  for (const Vec3& place : places)
-    if (isIn(DVec3(place))) mean += DVec3(place), ++count;
+  for (const Vec3& point : points)
+    if (isIn(DVec3(point))) mean += DVec3(point), ++count;
   if (count < 3) return std::nullopt;
   mean /= count;
   SymmetricMatrix3 spread;
-  for (const Vec3& place : places)
-    if (isIn(DVec3(place))) spread.addSquare(DVec3(place) - mean);
+  for (const Vec3& point : points)
+    if (isIn(DVec3(point))) spread.addSquare(DVec3(point) - mean);
   const DVec3 normal = eigenSymmetric(spread).vectors[0];
   const double sign = glm::dot(normal, plane.normal) < 0 ? -1 : 1;
   return Plane{sign * normal, sign * glm::dot(normal, mean)};
@@ -56,9 +56,9 @@ void movePoints(PointCloud& cloud, std::span<const DVec3> coordinates) {
 
 std::optional<GroundPlane> findGround(const PointCloud& cloud, std::optional<UpAxis> up) {
   constexpr std::uint64_t kTrials = 2000, kSeed = 1;
-  constexpr double kThickness = 0.25;    // of the distance between the places of the sample
-  constexpr double kMostBelow = 0.05, kFewest = 0.05;  // shares of the sample
-  constexpr double kSteepest = 0.5;      // least cosine between its normal and up
+  constexpr double kThickness = 0.25;                 // of the distance between the places of the sample
+  constexpr double kMaxBelow = 0.05, kFewest = 0.05;  // shares of the sample
+  constexpr double kSteepest = 0.5;                   // least cosine between its normal and up
   constexpr int kFits = 8;
   const VoxelSample sample = voxelSampleOf(cloud);
   const auto count = static_cast<double>(sample.places.size());
@@ -84,12 +84,12 @@ std::optional<GroundPlane> findGround(const PointCloud& cloud, std::optional<UpA
       in += std::abs(above) <= thickness ? 1 : 0;
       below += above < -thickness ? 1 : 0;
     }
-    if (in > most && below <= kMostBelow * count) best = plane, most = in;
+    if (in > most && below <= kMaxBelow * count) best = plane, most = in;
   }
   if (best.normal == DVec3(0)) return std::nullopt;
   for (int fit = 0; fit < kFits; ++fit) {
-    const std::optional<Plane> closer = fit < kFits / 2 ? fitted(best, sample.places, thickness)
-                                                        : fitted(best, cloud.positions, thickness);
+    const std::optional<Plane> closer =
+        fit < kFits / 2 ? fitted(best, sample.places, thickness) : fitted(best, cloud.positions, thickness);
     if (!closer) break;
     best = *closer;
   }
@@ -100,9 +100,8 @@ void rotateToZ(PointCloud& cloud, const DVec3& normal) {
   if (cloud.empty()) return;
   const DVec3 z(0, 0, 1);
   // Halfway vectors give the shortest rotation; opposite ones rotate about x.
-  const DQuat rotation = normal.z > -1 + 1e-12
-                             ? glm::normalize(DQuat(1 + normal.z, glm::cross(normal, z)))
-                             : DQuat(0, 1, 0, 0);
+  const DQuat rotation =
+      normal.z > -1 + 1e-12 ? glm::normalize(DQuat(1 + normal.z, glm::cross(normal, z))) : DQuat(0, 1, 0, 0);
   const DVec3 middle = fileBoundsOf(cloud).center();
   std::vector<DVec3> coordinates(cloud.size());
   parallelFor(cloud.size(), 0, [&](std::size_t begin, std::size_t end) {

@@ -31,8 +31,9 @@ std::string conditionOf(const Corners& corners) {
 /// Does the steps, and keeps account of the points.
 class Preparer {
  public:
-  Preparer(PointCloud cloud, const FieldOptions& options, const std::function<void(const PreparedStep&)>& report)
-      : options_(options), report_(report) {
+  Preparer(PointCloud cloud, std::size_t steps, const FieldOptions& options,
+           const std::function<void(const PreparedStep&)>& report)
+      : steps_(steps), options_(options), report_(report) {
     result_.cloud = std::move(cloud);
     result_.numbers.resize(result_.cloud.size());
     std::iota(result_.numbers.begin(), result_.numbers.end(), 0u);
@@ -62,9 +63,10 @@ class Preparer {
   void level() {
     const auto ground = findGround(cloud(), options_.up);
     if (!ground)
-      throw ConfigError("prepare.level",
-                        "no ground was found: no plane below the rest has a twentieth of the surface; state the up axis, "
-                        "or crop to the part that stands on the ground");
+      throw ConfigError(
+          "prepare.level",
+          "no ground was found: no plane below the rest has a twentieth of the surface; state the up axis, "
+          "or crop to the part that stands on the ground");
     rotateToZ(result_.cloud, ground->normal);
     setUp(result_.cloud.storedAs.comments, UpAxis::z);
     done("prepare.level", cloud().size(),
@@ -78,10 +80,12 @@ class Preparer {
 
  private:
   void done(std::string_view name, std::size_t before, std::string what) {
-    result_.steps.push_back({name, before, cloud().size(), std::move(what)});
+    const auto number = static_cast<double>(result_.steps.size() + 1);
+    result_.steps.push_back({name, before, cloud().size(), std::move(what), number / static_cast<double>(steps_)});
     if (report_) report_(result_.steps.back());
   }
 
+  std::size_t steps_;  // number of them
   const FieldOptions& options_;
   const std::function<void(const PreparedStep&)>& report_;
   PreparedCloud result_;
@@ -121,16 +125,22 @@ double mmPerUnit(const PointCloud& cloud, double given) {
 
 PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
                        const std::function<void(const PreparedStep&)>& report) {
-  Preparer preparer(std::move(cloud), options, report);
+  std::size_t steps = preparation.set.size();
+  for (const bool isWanted :
+       {preparation.crop.has_value(), preparation.cropOutside.has_value(), !preparation.where.empty(),
+        preparation.dropDuplicates, preparation.outlierNeighbours > 0, preparation.radiusNeighbours > 0,
+        preparation.subsample_mm > 0, preparation.random > 0, preparation.level})
+    steps += isWanted ? 1 : 0;
+  Preparer preparer(std::move(cloud), steps, options, report);
   const unsigned threads = options.threads;
   if (preparation.crop) preparer.where("prepare.crop", conditionOf(preparation.crop));
   if (preparation.cropOutside) preparer.where("prepare.crop_outside", conditionOf(preparation.cropOutside), false);
   if (!preparation.where.empty()) preparer.where("prepare.where", preparation.where);
   if (preparation.dropDuplicates) preparer.drop("prepare.drop_duplicates", duplicatePoints(preparer.cloud(), threads));
   if (preparation.outlierNeighbours > 0)
-    preparer.drop("prepare.outlier_neighbours", statisticalOutliers(preparer.cloud(),
-                                                    static_cast<std::uint32_t>(preparation.outlierNeighbours),
-                                                    preparation.outlierSigma, threads));
+    preparer.drop("prepare.outlier_neighbours",
+                  statisticalOutliers(preparer.cloud(), static_cast<std::uint32_t>(preparation.outlierNeighbours),
+                                      preparation.outlierSigma, threads));
   if (preparation.radiusNeighbours > 0)
     preparer.drop("prepare.radius_neighbours",
                   radiusOutliers(preparer.cloud(), static_cast<std::uint32_t>(preparation.radiusNeighbours),

@@ -21,6 +21,7 @@ struct PreparedStep {
   std::string_view name;  ///< path of its setting: "prepare.where"
   std::size_t before = 0, after = 0;
   std::string what;  ///< in words: "keeps 1200 of 5000 points"
+  double share = 0;  ///< of all steps, that are done now
 };
 
 struct PreparedCloud {

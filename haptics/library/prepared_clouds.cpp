@@ -41,9 +41,7 @@ pp_status pp_cloud_prepare(pp_cloud cloud, const pp_prepare_options* options, ui
     const Preparation preparation = given.steps ? parsePreparation(given.steps) : Preparation{};
     Watch watch(given.watch);
     PreparedCloud prepared;
-    watch.runCut([&] {
-      prepared = palpate::prepared(found->cloud, preparation, fieldOptions(found->cloud, given));
-    });
+    watch.runCut([&] { prepared = palpate::prepared(found->cloud, preparation, fieldOptions(found->cloud, given)); });
     if (kept) {
       std::fill_n(kept, count, std::uint8_t{0});
       for (const std::uint32_t point : prepared.numbers) kept[point] = 1;

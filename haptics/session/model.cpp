@@ -58,8 +58,10 @@ void prepare(PointCloud& cloud, const ModelConfig& config, const ModelLoading& l
   const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, config.mm_per_unit), .up = {}, .threads = loading.threads};
   cloud = prepared(std::move(cloud), *config.prepare, fields, [&](const PreparedStep& step) {
             loading.log.say("{}: {} {}", config.file, flagOf(step.name), step.what);
+            loading.log.progress("select and clean", step.share);
             if (step.after == 0) throw Error("{}: {} {}; no point is left", config.file, flagOf(step.name), step.what);
           }).cloud;
+  loading.log.endProgress();
 }
 
 Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {

@@ -50,8 +50,9 @@ void validateJoined(const SessionConfig& config) {
 
 void validatePrepared(const ModelConfig& model) {
   if (model.stream || model.join || model.matter)
-    throw ConfigError("prepare", "only the points of a file are selected and cleaned, not those of a stream, a joined "
-                                 "session or a scene; leave {} out",
+    throw ConfigError("prepare",
+                      "only the points of a file are selected and cleaned, not those of a stream, a joined "
+                      "session or a scene; leave {} out",
                       "--crop, --where, --outliers and such");
 }
 

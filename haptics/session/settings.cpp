@@ -57,12 +57,17 @@ constexpr Setting<Preparation> kPreparation[]{
     {"radius_mm", &Preparation::radius_mm, "", "length of --radius-outliers, mm", "mm", kLength},
     {"subsample_mm", &Preparation::subsample_mm, "--subsample",
      "keep one point in each cell of a grid: the one nearest to its middle; side of a cell, mm", "mm", kLengthOrZero},
-    {"random", &Preparation::random, "--random", "keep this many points, drawn at random; 0: all", "",
+    {"random",
+     &Preparation::random,
+     "--random",
+     "keep this many points, drawn at random; 0: all",
+     "",
      {0, bounds::kMaxCount}},
     {"seed", &Preparation::seed, "--seed", "seed of --random", "", {0, bounds::kMaxCount}},
     {"set", &Preparation::set, "--set",
      "set a field: [TYPE] NAME = NUMBER [if CONDITION], as in \"classification = 6 if z > 3\"; may be repeated"},
-    {"level", &Preparation::level, "--level", "rotate the model so that its ground, found by shape, is level and z is up"},
+    {"level", &Preparation::level, "--level",
+     "rotate the model so that its ground, found by shape, is level and z is up"},
 };
 
 constexpr Setting<BackendConfig> kBackend[]{

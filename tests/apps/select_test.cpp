@@ -1,4 +1,5 @@
-// Scans are selected and cleaned on the command line: what stays is untouched in every format, and what goes wrong is said.
+// Scans are selected and cleaned on the command line: what stays is untouched in every format, and what goes wrong is
+// said.
 #include "tests/apps/program.hpp"
 
 #include <algorithm>
@@ -142,8 +143,8 @@ TEST_CASE("many files are converted into a folder: each is written, or says why 
                           in("other/a.las") + " " + in("bare.ply");
   const std::string out = in("out"), json = in("m.json");
   checkEnds(1, "convert " + all + " --to " + out + " --where 'classification == 1' --json " + json,
-            {"broken.las", "missing.laz: does not exist", "4 of 6 files were not converted",
-             "was already written from", "bare.ply: --where: column 1: unknown field 'classification'"});
+            {"broken.las", "missing.laz: does not exist", "4 of 6 files were not converted", "was already written from",
+             "bare.ply: --where: column 1: unknown field 'classification'"});
   CHECK(readCloud(out + "/a.las").cloud.size() == 300);
   CHECK(readCloud(out + "/b.ply").cloud.size() == 300);
   CHECK(std::distance(std::filesystem::directory_iterator(out), {}) == 2);
@@ -168,13 +169,15 @@ TEST_CASE("what is wrong with an option is said with its column, and nothing is 
   const std::string convert = "convert " + in + " " + out + " ";
   checkEnds(2, convert + "--where 'z >'", {"--where: column 4: a value is expected after '>'; fields: x, y, z, red"});
   checkEnds(2, convert + "--where 'clasification == 2'", {"did you mean 'classification'?"});
-  checkEnds(2, convert + "--set 'classification = 300'", {"--set: classification = 300 of point 0 is not a whole number"});
+  checkEnds(2, convert + "--set 'classification = 300'",
+            {"--set: classification = 300 of point 0 is not a whole number"});
   checkEnds(2, convert + "--crop 0,0,0", {"--crop: '0,0,0' is not two corners of a box, as in 0,0,0:1.5,2,1"});
   checkEnds(2, convert + "--outliers=0", {"--outliers: '0,1' is not K or K,SIGMA"});
   checkEnds(2, convert + "--outliers=8,x", {"--outliers: '8,x' is not K or K,SIGMA, as in 8,1"});
   checkEnds(2, convert + "--radius-outliers 4", {"--radius-outliers: '4' is not N,MM, as in 4,2.5"});
   checkEnds(2, convert + "--subsample -1", {"--subsample"});
-  checkEnds(1, convert + "--where 'z > 99'", {"--where keeps 0 of 900 points; nothing is left, and nothing is written"});
+  checkEnds(1, convert + "--where 'z > 99'",
+            {"--where keeps 0 of 900 points; nothing is left, and nothing is written"});
   checkEnds(1, convert + "--normals flip", {"has no normals to flip; use --normals estimate"});
   CHECK_FALSE(std::filesystem::exists(out));
   checkEnds(2, "touch water --backend cpu --where 'z > 1'", {"only the points of a file are selected and cleaned"});
@@ -185,14 +188,16 @@ TEST_CASE("touch, render and mesh prepare their model by the same options, and a
   const std::string model = (folder / "m.ply").string(), saved = (folder / "s.ply").string();
   const std::string log = (folder / "l").string();
   works("make sphere -n 4000 --size 40 -o " + model);
-  checkEnds(0, "touch " + model + " --backend cpu --path builtin:press --edit push --penetration 3 --duration 0.3 " +
-                   "--where 'z > -5' --subsample 1.5 --save " + saved + " --log " + log,
+  checkEnds(0,
+            "touch " + model + " --backend cpu --path builtin:press --edit push --penetration 3 --duration 0.3 " +
+                "--where 'z > -5' --subsample 1.5 --save " + saved + " --log " + log,
             {"--where keeps", "--subsample keeps"});
   const PointCloud after = readCloud(saved).cloud;
   CHECK(after.size() < 3000);
   CHECK(std::ranges::all_of(after.positions, [](const Vec3& p) { return p.z > -6; }));
   works("replay " + log);
-  checkEnds(1, "touch " + model + " --backend cpu --where 'z > 900'", {"--where keeps 0 of 4000 points; no point is left"});
+  checkEnds(1, "touch " + model + " --backend cpu --where 'z > 900'",
+            {"--where keeps 0 of 4000 points; no point is left"});
 }
 
 TEST_CASE("a scan is leveled, its up axis stated, and its normals are flipped") {

@@ -68,18 +68,18 @@ TEST_CASE("a condition holds for the points for which it is true") {
       {"x < 1 || x > 3", "10001"},
       {"x < 1 | x > 3 & classification == 2", "10000"},
       {"!(x < 1) & !(x > 3)", "01110"},
-      {"x == 1 || x == 2 && heat > 0", "01000"},    // && before ||
+      {"x == 1 || x == 2 && heat > 0", "01000"},  // && before ||
       {"(x == 1 || x == 2) && heat < 0", "00100"},
       {"x != 2", "11011"},
       {"y < -3", "00111"},
       {"2 + 3 * x == 8", "00100"},
       {"(2 + 3) * x == 10", "00100"},
-      {"x - 1 - 1 == 0", "00100"},                  // from the left
+      {"x - 1 - 1 == 0", "00100"},  // from the left
       {"8 / 2 / 2 == x", "00100"},
       {"-x < -2", "00011"},
       {"--x == 3", "00010"},
       {"x % 2 == 1", "01010"},
-      {"(x - 3) % 2 == 1", "10101"},                // the sign of the divisor
+      {"(x - 3) % 2 == 1", "10101"},  // the sign of the divisor
       {"x % 0 == 0", "00000"},
       {"abs(y) < 2", "11000"},
       {"sqrt(x) == 2", "00001"},
@@ -91,11 +91,11 @@ TEST_CASE("a condition holds for the points for which it is true") {
       {"classification == 255", "00001"},
       {"heat > -1e301", "10111"},
       {"heat == heat", "10111"},
-      {"heat != 7", "10111"},                       // NaN is in no comparison
+      {"heat != 7", "10111"},  // NaN is in no comparison
       {"!(heat != 7)", "01000"},
       {"min(heat, 0) <= 0", "10111"},
       {"max(0, heat) >= 0", "10111"},
-      {"z == 0.1", "11111"},                        // as the file has it, in float32
+      {"z == 0.1", "11111"},  // as the file has it, in float32
       {"0.1 == z && z <= 0.1 && z >= 0.1", "11111"},
       {"\"gps time\" == 0.3", "00100"},
       {"'gps time' < 0.2", "10001"},
@@ -132,7 +132,7 @@ TEST_CASE("whole numbers of 64 bits are compared to the last digit") {
       {"id - stamp == -18446744073709551615 + 9007199254740993", "01000"},
       {"id * 2 == 18014398509481986", "01000"},
       {"id % 10 == 3", "01000"},
-      {"id % 10 == 7", "00110"},                   // -9007199254740993 and 9223372036854775807
+      {"id % 10 == 7", "00110"},  // -9007199254740993 and 9223372036854775807
       {"abs(id) == 9223372036854775808", "00001"},
       {"-id == 9223372036854775808", "00001"},
       {"max(id, stamp) == 9223372036854775808", "00010"},
@@ -150,8 +150,9 @@ TEST_CASE("whole numbers of 64 bits are compared to the last digit") {
 }
 
 TEST_CASE("an error names the column, what was expected and the fields") {
-  const std::string fields = "x, y, z, red, green, blue, heat, classification, id, stamp, gps time, height, density, "
-                             "roughness, curvature, verticality";
+  const std::string fields =
+      "x, y, z, red, green, blue, heat, classification, id, stamp, gps time, height, density, "
+      "roughness, curvature, verticality";
   CHECK(complaint("z >") == "--where: column 4: a value is expected after '>'; fields: " + fields);
   CHECK(complaint("") == "--where: column 1: a value is expected; fields: " + fields);
   CHECK(complaint("z > )") == "--where: column 5: a value is expected after '>', not ')'; fields: " + fields);

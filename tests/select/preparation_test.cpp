@@ -85,8 +85,7 @@ TEST_CASE("computed fields have their known values, in mm, on plates, spheres an
   CHECK(fieldMiddle(plate, "verticality", {.up = UpAxis::x}) == near(1, 1e-9));
   CHECK(fieldMiddle(plate, "density", {.mm_per_unit = 10, .up = UpAxis::z}) == near(1 / 25.0, 0.1));
   PointCloud noisy = plate;
-  for (std::size_t i = 0; i < noisy.size(); ++i)
-    noisy.positions[i].z = static_cast<float>(0.1 * randomNormal3(1, i).z);
+  for (std::size_t i = 0; i < noisy.size(); ++i) noisy.positions[i].z = static_cast<float>(0.1 * randomNormal3(1, i).z);
   CHECK(fieldMiddle(noisy, "roughness", {.mm_per_unit = 3, .up = UpAxis::z}) == near(0.3, 0.05));
   CHECK(fieldMiddle(plate, "height", {.up = UpAxis::minusX}) == within(-15, 0.3));
   // Without neighbourhoods nothing is known, and nothing is chosen.
@@ -237,7 +236,8 @@ TEST_CASE("the ground is found under what stands on it, at any angle, and become
     const auto volume = [&](const PointCloud& of) {
       return glm::dot(glm::cross(at(of, 1) - at(of, 0), at(of, 2) - at(of, 0)), at(of, 3) - at(of, 0));
     };
-    CHECK(glm::distance(at(level.cloud, 0), at(level.cloud, 30'000)) == near(glm::distance(at(cloud, 0), at(cloud, 30'000)), 1e-4));
+    CHECK(glm::distance(at(level.cloud, 0), at(level.cloud, 30'000)) ==
+          near(glm::distance(at(cloud, 0), at(cloud, 30'000)), 1e-4));
     CHECK(volume(level.cloud) == near(volume(cloud), 0.01));
   }
   // y up becomes z up, and upside down is turned over.
@@ -284,15 +284,18 @@ TEST_CASE("steps are done in their order, and each says what it leaves") {
   const PreparedCloud result = prepared(cloud, preparation, {.mm_per_unit = 10}, [&](const PreparedStep& step) {
     said.push_back(fmt::format("{} {}", step.name, step.what));
   });
-  CHECK(said == std::vector<std::string>{"prepare.crop keeps 61 of 101 points", "prepare.crop_outside keeps 59 of 61 points",
-                                         "prepare.where keeps 53 of 59 points", "prepare.drop_duplicates keeps 53 of 53 points",
-                                         "prepare.subsample_mm keeps 15 of 53 points", "prepare.random keeps 10 of 15 points",
-                                         "prepare.set \"uint8 a = 1\" sets 10 points", "prepare.set \"uint8 b = a + 1\" sets 10 points"});
+  CHECK(said == std::vector<std::string>{
+                    "prepare.crop keeps 61 of 101 points", "prepare.crop_outside keeps 59 of 61 points",
+                    "prepare.where keeps 53 of 59 points", "prepare.drop_duplicates keeps 53 of 53 points",
+                    "prepare.subsample_mm keeps 15 of 53 points", "prepare.random keeps 10 of 15 points",
+                    "prepare.set \"uint8 a = 1\" sets 10 points", "prepare.set \"uint8 b = a + 1\" sets 10 points"});
   REQUIRE(result.numbers.size() == 10);
   for (std::size_t i = 0; i < 10; ++i) CHECK(result.cloud.positions[i] == cloud.positions[result.numbers[i]]);
   CHECK(valuesIn<std::uint8_t>(result.cloud, "b")[9] == 2);
-  const PreparedCloud nothing = prepared(cloud, {.where = "x > 99", .outlierNeighbours = 8, .radiusNeighbours = 3,
-                                                 .subsample_mm = 1, .random = 5, .level = true}, {});
+  const PreparedCloud nothing = prepared(
+      cloud,
+      {.where = "x > 99", .outlierNeighbours = 8, .radiusNeighbours = 3, .subsample_mm = 1, .random = 5, .level = true},
+      {});
   CHECK(nothing.cloud.empty());
   CHECK(prepared(cloud, {}, {}).cloud.positions == cloud.positions);
   CHECK(prepared(cloud, {.seed = 3}, {}).steps.empty());
