@@ -41,7 +41,7 @@ Validation Context::validation() const {
 
 void Context::addOptions(Options& app) {
   app.add("--gpu", gpu_, "GPU, by number or part of its name (default: PALPATE_GPU, else the best one)");
-  app.addFlag("--validate", validate_, {"full", "core"},
+  app.addFlag("--validate", validate_, std::vector<std::string>{"full", "core"},
               "enable validation layers (core, synchronisation, GPU-assisted; --validate=core without the "
               "slow GPU-assisted part); any message makes the exit code 1");
   app.add("--json", json_, "write machine-readable results, or the error, to this file, or to stdout with -")

@@ -387,7 +387,7 @@ void addDoctor(Options& app, Context& context, Command& command) {
               "only list the sessions on the network (palpate serve), with round trips and losses")
       .excludes(servo);
   sub.addFlag(
-         "--prove", options->prove, {"table", kQuietly},
+         "--prove", options->prove, std::vector<std::string>{"table", kQuietly},
          "only prove the GPU (--gpu): run the primitives of which every pass is made, and compare their results; a "
          "session in real time does so once for each GPU, driver and version, and uses the CPU if one is wrong "
          "(--prove=quietly: without a table)")

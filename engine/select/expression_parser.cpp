@@ -78,16 +78,18 @@ class Parser {
 
   ParsedExpression parse(bool truth) {
     if (text_.size() > kMaxText) fail(0, fmt::format("the text is longer than {} characters", kMaxText));
+    peek();
     const std::size_t begin = at_;
     Operand result = truth ? disjunction() : sum();
     const std::string_view next = peek();
-    const bool ends = at_ == text_.size() || next == "if";
+    const bool ends = at_ == text_.size() || (!truth && next == "if");
     if (!ends && !truth && isComparing(next))
       fail(at_, fmt::format("a number is expected, not a comparison '{}'", next));
     if (!ends) fail(at_, fmt::format("'{}' is not expected after '{}'", next, last_));
     if (truth && result.kind != Kind::truth)
       fail(begin, "a condition is expected, and this is a number; compare it, as in z > 3");
     if (!truth && result.kind == Kind::truth) fail(begin, "a number is expected, and this is a condition");
+    if (result.literal && result.literal->whole) result.kind = Kind::whole;
     settle(result);
     program_.kind = result.kind;
     program_.result = result.at;

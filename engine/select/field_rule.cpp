@@ -65,10 +65,9 @@ Values evaluated(const Expression& expression, const CloudFields& fields) {
 
 template <class T>
 std::string textOf(T value) {
-  if constexpr (std::is_same_v<T, Whole>)
-    return fmt::format("{}", static_cast<double>(value));
-  else
-    return fmt::format("{}", value);
+  if constexpr (std::is_integral_v<T> && !std::is_same_v<T, Whole>) return fmt::format("{}", value);
+  const auto number = static_cast<double>(value);
+  return std::isnan(number) ? "nan" : fmt::format("{}", number);
 }
 
 /// The value as a T; throws Error if a T does not hold it.
