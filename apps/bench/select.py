@@ -59,19 +59,23 @@ def main() -> None:
     theirs: dict[str, list[float]] = {}
     with tempfile.TemporaryDirectory() as folder:
         model, result = Path(folder) / "sculpture.ply", Path(folder) / "result.json"
-        subprocess.run([options.program, "make", "sculpture", "-n", str(options.points), "-o", model, "--quiet"], check=True)
-        subprocess.run([options.program, "info", model, "--json", result, "--quiet"], check=True, stdout=subprocess.DEVNULL)
+
+        def run(*words: object) -> None:
+            subprocess.run([options.program, *map(str, words), "--quiet"], check=True, stdout=subprocess.DEVNULL)
+
+        run("make", "sculpture", "-n", options.points, "-o", model)
+        run("info", model, "--json", result)
         found = peers(model, json.loads(result.read_text())["mean_spacing"])
         for _ in range(options.rounds):
-            subprocess.run([options.program, "bench", "select", "--models", model, "--repeat", "1", "--limit", "0",
-                            "--threads", threads, "--json", result, "--quiet"], check=True, stdout=subprocess.DEVNULL)
+            run("bench", "select", "--models", model, "--repeat", 1, "--limit", 0, "--threads", threads,
+                "--json", result)
             for record in json.loads(result.read_text())["select"]:
                 ours.setdefault(record["operation"], []).append(record["time_ms"]["p50"])
-            for name, run in found.items():
+            for name, peer in found.items():
                 since = time.perf_counter()
-                run()
+                peer()
                 theirs.setdefault(name, []).append(1e3 * (time.perf_counter() - since))
-    print(f"{options.points} points, {threads} threads, ms, median of {options.rounds} rounds; Open3D {o3d.__version__}")
+    print(f"{options.points} points, {threads} threads, ms, median of {options.rounds}; Open3D {o3d.__version__}")
     for name in {**ours, **theirs}:
         cells = [f"{np.median(times[name]):9.1f}" if name in times else "        –" for times in (ours, theirs)]
         print(f"{name:40} palpate {cells[0]}  Open3D {cells[1]}")

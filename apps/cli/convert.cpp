@@ -131,7 +131,9 @@ Json prepare(Context& context, const ConvertOptions& options, StoredCloud& store
       if (step.after == 0)
         throw Error("{}: {} {}; nothing is left, and nothing is written", options.input, flag, step.what);
     };
-    const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, options.scale.given()),
+    const double given = options.scale.given();
+    const double ofUnit = mmIn(valueNamed(kLengthUnits, options.unit).value_or(LengthUnit::unknown)).value_or(0);
+    const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, given > 0 ? given : ofUnit),
                               .up = valueNamed(kUpAxes, options.up),
                               .threads = context.threads()};
     const std::size_t before = cloud.size();
@@ -211,6 +213,11 @@ void convertMany(Context& context, const ConvertOptions& options, const Options&
   Json files = Json::array();
   std::map<std::string, std::string> writtenFrom;
   std::size_t failed = 0;
+  const auto fail = [&](const std::string& input, const std::string& what) {
+    context.log().warn("{}", what);
+    files.push_back({{"input", input}, {"error", what}});
+    ++failed;
+  };
   for (const std::string& input : inputs) {
     ConvertOptions one = options;
     one.input = input;
@@ -219,12 +226,10 @@ void convertMany(Context& context, const ConvertOptions& options, const Options&
       if (const auto [first, isNew] = writtenFrom.emplace(one.output, input); !isNew)
         throw Error("{}: {} was already written from {}; convert it by itself", input, one.output, first->second);
       files.push_back(convertOne(context, one));
+    } catch (const ConfigError& error) {
+      fail(input, fmt::format("{}: {}", input, inFlags(error, command)));
     } catch (const Error& error) {
-      const auto* const config = dynamic_cast<const ConfigError*>(&error);
-      const std::string what = config ? input + ": " + inFlags(*config, command) : error.what();
-      context.log().warn("{}", what);
-      files.push_back({{"input", input}, {"error", what}});
-      ++failed;
+      fail(input, error.what());
     }
   }
   context.writeJson({{"files", files}, {"failed", failed}});

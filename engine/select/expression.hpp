@@ -68,8 +68,9 @@ struct ParsedExpression {
   Expression expression;
   std::size_t end;  ///< one past its last character: the end of the text, or the word "if" after it
 };
-/// `truth`: whether it is a condition; otherwise it is a number, whole if all of it is. `name`: of the option or argument, with which errors
-/// begin. Throws ExpressionError with the column in `text`. The fields that it names are computed.
+/// `truth`: whether it is a condition; otherwise it is a number, whole if all of it is. `name`: of the option or
+/// argument, with which errors begin. Throws ExpressionError with the column in `text`. The fields that it names are
+/// computed.
 ParsedExpression parseExpression(std::string_view name, std::string_view text, std::size_t begin, bool truth,
                                  CloudFields& fields);
 

@@ -88,6 +88,14 @@ TEST_CASE("computed fields have their known values, in mm, on plates, spheres an
   for (std::size_t i = 0; i < noisy.size(); ++i) noisy.positions[i].z = static_cast<float>(0.1 * randomNormal3(1, i).z);
   CHECK(fieldMiddle(noisy, "roughness", {.mm_per_unit = 3, .up = UpAxis::z}) == near(0.29, 0.05));
   CHECK(fieldMiddle(plate, "height", {.up = UpAxis::minusX}) == within(-15, 0.6));
+  // The other face of a thin plate is another surface, which faces away.
+  PointCloud faces = plate;
+  faces.normals.assign(faces.size(), Vec3(0, 0, 1));
+  for (const Vec3& p : plate.positions) {
+    faces.positions.push_back(p - Vec3(0, 0, 0.4f));
+    faces.normals.emplace_back(0, 0, -1);
+  }
+  CHECK(fieldMiddle(faces, "curvature", {.radius = 2}) == within(0, 1e-6));
   // Without neighbourhoods nothing is known, and nothing is chosen.
   PointCloud equal;
   equal.positions.assign(5, Vec3(1));
@@ -174,7 +182,8 @@ TEST_CASE("a rule that cannot be applied names why, and changes nothing") {
     const std::string found = ruleError(cloud, each.rule);
     CHECK_MESSAGE(found.starts_with(each.start), found);
   }
-  CHECK(errorOf([&] { applyRule("--set", "label = 300 if x > 1", cloud, {}); }) != "");
+  CHECK(errorOf([&] { applyRule("--set", "label = 100 * x", cloud, {}); }) ==
+        "--set: label = 300 of point 12 is not a whole number from 0 to 255");
   CHECK(valuesIn<std::uint8_t>(cloud, "label") == std::vector<std::uint8_t>(16, 3));
   CHECK(cloud.colors.empty());
 }

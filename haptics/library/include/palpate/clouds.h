@@ -110,7 +110,7 @@ PP_API pp_status pp_cloud_get_attribute(pp_cloud cloud, uint64_t index, pp_attri
 typedef struct pp_prepare_options {
   uint32_t size;      /**< bytes of this struct */
   uint32_t reserved;  /**< not used */
-  const char* steps;  /**< JSON object of settings of the section `prepare`, as {"where": "z > 3", "subsample_mm": 2}; the
+  const char* steps;  /**< JSON object of settings of the section `prepare`, as {"where": "z > 3", "random": 90}; the
                          reference page lists them, and their order; null: none */
   const char* up;     /**< up axis, as "z" or "-y", for heights and for the level; null: found from the shape */
   double mm_per_unit; /**< of lengths in mm; 0: as the file states, or the longest side is 100 mm */
@@ -123,8 +123,8 @@ PP_OPTIONS(prepare_options)
  * column. */
 PP_API pp_status pp_cloud_prepare(pp_cloud cloud, const pp_prepare_options* options, uint8_t* kept, uint64_t count,
                                   pp_cloud* result);
-/** The points of a cloud whose entry in `mask` is not 0, with all that they have. `count` must be the number of points of
- * the cloud. */
+/** The points of a cloud whose entry in `mask` is not 0, with all that they have. `count` must be the number of points
+ * of the cloud. */
 PP_API pp_status pp_cloud_choose(pp_cloud cloud, const uint8_t* mask, uint64_t count, pp_cloud* result);
 /** Computes a number for each point, as "z", "intensity / 256" or "density". `count` must be the number of points.
  * Options may be null; their steps are not used. PP_ERROR_ARGUMENT for an invalid expression, with the column. */
