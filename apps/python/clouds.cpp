@@ -248,7 +248,8 @@ void bindCloud(py::module_& module) {
       .def(
           "field", &fieldValues, py::arg("number"), py::arg("mm_per_unit") = 0.0, py::arg("up") = py::none(),
           "field(number, mm_per_unit=0, up=None) -> array\n\n"
-          "(N,) float64: an expression of fields, as 'z - 12.5', 'intensity / 256', or one that is computed: height,\n"
+          "(N,) float64. number: an expression of fields, as 'z - 12.5', 'intensity / 256', or one that is computed: "
+          "height,\n"
           "density (1/mm2), roughness (mm), curvature (1/mm), verticality. mm_per_unit: 0: as the file states, or the\n"
           "longest side is 100 mm. up: 'z', '-y' and such; None: found from the shape. Raises UsageError with the\n"
           "column of what is wrong, and the names of all fields.")
@@ -265,6 +266,7 @@ void bindCloud(py::module_& module) {
       .def(
           "outliers",
           [](const PyCloud& cloud, std::uint32_t neighbours, double sigma) {
+            if (neighbours == 0) refuse("neighbours: is 0; it must be at least 1");
             const auto text =
                 helper("steps")(py::arg("outlier_neighbours") = neighbours, py::arg("outlier_sigma") = sigma);
             return py::object(~maskOf(cloud, text.cast<std::string>(), 0, {}));
@@ -289,7 +291,9 @@ void bindCloud(py::module_& module) {
           },
           py::arg("spacing_mm"), py::arg("mm_per_unit") = 0.0,
           "subsample(spacing_mm, mm_per_unit=0) -> Cloud\n\n"
-          "One original point in each cell of this side, the one nearest to its middle. mm_per_unit as for field().")
+          "One original point in each cell, the one nearest to its middle. spacing_mm: side of a cell. mm_per_unit: as "
+          "for\n"
+          "field().")
       .def(
           "prepared",
           [](const PyCloud& cloud, double mm_per_unit, const std::optional<std::string>& up,
@@ -297,10 +301,14 @@ void bindCloud(py::module_& module) {
             return preparedCloud(cloud, helper("steps")(**settings).cast<std::string>(), mm_per_unit, up);
           },
           py::arg("mm_per_unit") = 0.0, py::arg("up") = py::none(),
-          "prepared(mm_per_unit=0, up=None, **settings) -> Cloud\n\n"
-          "All steps of palpate convert in their order, by the names of the section prepare in the reference: crop,\n"
-          "crop_outside (two corners), where, drop_duplicates, outlier_neighbours, outlier_sigma, radius_neighbours,\n"
-          "radius_mm, subsample_mm, random, seed, set (a list of rules), level. The cloud may be empty.")
+          "prepared(mm_per_unit=0, up=None, crop=None, crop_outside=None, where='', drop_duplicates=False, "
+          "outlier_neighbours=0, outlier_sigma=1, radius_neighbours=0, radius_mm=1, subsample_mm=0, random=0, seed=1, "
+          "set=[], level=False) -> Cloud\n\n"
+          "The steps of palpate convert, in their order: crop and crop_outside (two corners), where, drop_duplicates,\n"
+          "outlier_neighbours and outlier_sigma, radius_neighbours and radius_mm, subsample_mm, random (points) and\n"
+          "seed, set (a list of rules, as 'uint8 label = 3 if z > 2'), level (the ground); as the section prepare of "
+          "the\n"
+          "reference describes them. mm_per_unit and up: as for field(). The cloud may be empty.")
       .def("__reduce__", [](const py::object& self) { return helper("reduced")(self); })
       .def("_repr_png_", [](const py::object& self) { return helper("picture")(self); })
       .def_property_readonly(
