@@ -47,12 +47,14 @@ constexpr DescribedKey kConvert[]{{"input", "", "read file"},
                                   {"fused", "", "of them, fused"},
                                   {"unplaced", "", "of them, without a pose"},
                                   {"lost_frames", "", "of them, unreadable"},
+                                  {"steps", "", "one for each step that selected, cleaned or set points"},
                                   {"steps[].step", "", "option that selected, cleaned or set points"},
                                   {"steps[].points_before", "", "points before it"},
                                   {"steps[].points", "", "points after it"}};
 
 // With --to: one for each file, with the keys of a single file, or its error.
-constexpr DescribedKey kConvertMany[]{{"files[].error", "", "why a file was not converted"},
+constexpr DescribedKey kConvertMany[]{{"files", "", "one for each input"},
+                                      {"files[].error", "", "why a file was not converted"},
                                       {"failed", "", "files that were not converted"}};
 
 // Results of `palpate info` for a simulated scene.

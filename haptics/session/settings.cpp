@@ -51,7 +51,7 @@ constexpr Setting<Preparation> kPreparation[]{
     {"radius_neighbours",
      &Preparation::radiusNeighbours,
      "--radius-outliers",
-     "drop the points with fewer than N other points nearer than a length, mm",
+     "drop the points with fewer than N other points nearer than a length in mm",
      "",
      {.min = 1, .max = bounds::kMaxNeighbours, .orZero = true}},
     {"radius_mm", &Preparation::radius_mm, "", "length of --radius-outliers, mm", "mm", kLength},
