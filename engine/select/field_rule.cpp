@@ -136,7 +136,13 @@ void setCoordinate(PointCloud& cloud, int axis, const Values& values, const Poin
   for (std::size_t i = 0; i < coordinates.size(); ++i) coordinates[i] = cloud.fileCoordinates(i);
   assign<double>(values, which, name, field, [&](std::uint64_t point, double value) {
     if (!std::isfinite(value)) throw ConfigError(name, "{} = {} of point {} is not a coordinate", field, value, point);
-    coordinates[point][axis] = value;
+    DVec3& moved = coordinates[point];
+    moved[axis] = value;
+    if (const auto& grid = cloud.storedAs.grid) {  // a sum of decimals is again a position of the file's grid
+      constexpr double kRounding = 1e-6;           // steps
+      const double on = grid->at(grid->nearest(moved))[axis];
+      if (std::abs(on - value) <= kRounding * std::abs(grid->step[axis])) moved[axis] = on;
+    }
   });
   movePoints(cloud, coordinates);
 }

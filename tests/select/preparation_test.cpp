@@ -206,6 +206,9 @@ TEST_CASE("moved points keep those that are not moved bit by bit, in doubles and
   applyRule("--set", "z = 9 if x > 637000.2", cloud, {});
   for (std::size_t i = 0; i <= 200; ++i) CHECK(cloud.fileCoordinates(i) == before.fileCoordinates(i));
   CHECK(cloud.fileCoordinates(201) == DVec3(before.fileCoordinates(201).x, before.fileCoordinates(201).y, 9));
+  applyRule("--set", "z = z - 0.123", cloud, {});  // 9 - 0.123 and 0.5 - 0.123 are rounded; the grid has their decimals
+  CHECK(cloud.fileCoordinates(201).z == 8877 * 0.001);
+  CHECK(cloud.fileCoordinates(7).z == 377 * 0.001);
   // Only the sign of zero is the same in both.
   PointCloud singles = grid(3, 0.1f);
   const PointCloud single = singles;
