@@ -62,7 +62,8 @@ struct LoggedCommand {
     redo,       ///< content: number of strokes
     parameter,  ///< of a simulation; content: name and value
     frames,     ///< of a depth camera; content: play, pause or step
-    attribute   ///< a mask or a field changes; without content: it is the next one of EditMark::Kind::attribute
+    attribute,  ///< a mask or a field changes; without content: it is the next one of EditMark::Kind::attribute
+    points      ///< points are removed or painted; content: 64-bit words, the colour or kRemoved, and PointSet::words()
   };
   std::uint64_t tick = 0;  ///< number of ticks of the log before it
   Kind kind = Kind::back;

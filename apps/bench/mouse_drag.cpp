@@ -50,7 +50,8 @@ FoundSurface depthPicture(const PointCloud& cloud, double spacing, const Camera&
         if (depth == 0 || mine < depth) depth = mine;
       }
   }
-  return {std::move(depths), static_cast<std::uint32_t>(width), 1, camera, size_px};
+  return FoundSurface(
+      {.depths = std::move(depths), .width = static_cast<std::uint32_t>(width), .camera = camera, .size_px = size_px});
 }
 
 MouseDrag dragOver(const Model& model, const DVec3& place, const DVec3& sight, double units, const DVec2& bend_px,

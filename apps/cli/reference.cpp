@@ -7,7 +7,7 @@
 
 #include "apps/cli/context.hpp"
 #include "apps/cli/results.hpp"
-#include "apps/view/key_help.hpp"
+#include "apps/view/key_table.hpp"
 #include "apps/view/script.hpp"
 #include "apps/view/window_state.hpp"
 #include "engine/io/cloud_formats.hpp"
@@ -188,8 +188,13 @@ std::string referencePage(const Options& program) {
   std::vector<ResultFacts> state;
   listWindowResults(state);
   for (const ResultFacts& result : state) page += resultRow(result);
-  page += "\n## Keys of the window\n\n" + head({"key", "effect"});
-  for (const auto& [key, effect] : keyHelp()) page += row({key, effect});
+  page += "\n## Keys of the window\n\n" + head({"key", "tool", "effect"});
+  for (const KeyRow& each : keyRows()) {
+    std::string tools;
+    for (const auto& [name, tool] : kWindowTools)
+      if (each.appliesTo(tool)) tools += (tools.empty() ? "" : ", ") + std::string(name);
+    page += row({each.keys, each.tools.size() == kWindowTools.size() ? "all" : tools, each.effect});
+  }
   const CloudFormats& formats = cloudFormats();
   page += fmt::format("\n## Files\n\nRead: {}.\n\nWritten: {}.\n\nMeshes are written as {}.\n", formats.endingsRead(),
                       formats.endingsWritten(), formats.endingsWritten(Written::mesh));

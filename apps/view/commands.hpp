@@ -31,12 +31,37 @@ enum class WindowCommand {
 /// Commands to the open model. pause and step: the frames of a depth camera, or a simulation.
 enum class ModelCommand { undo, redo, save, exportTicks, endRecording, endPlaying, restart, pause, step };
 
+/// Commands about the selected points, and about the outline that selects.
+enum class SelectCommand {
+  all,
+  none,
+  invert,
+  grow,
+  shrink,
+  connected,
+  hide,
+  isolate,
+  showAll,
+  lock,
+  unlockAll,
+  within,
+  everywhere,
+  remove,
+  paint,
+  closeOutline,
+  takeBack,
+  cancelOutline,
+  holdOutline,
+  letOutlineGo
+};
+
 /// Answers: about unsaved changes, how to save, memory, and about strokes of an earlier program; `cancel` is of the
 /// first three.
 enum class Answer { saveFirst, discard, cancel, saveBeside, saveOver, readAnyway, goOnWithLeft, discardLeft, keepLeft };
 
-/// Purpose of a file; the file dialogue is for the first three.
-enum class FileTask { open, saveAs, exportMesh, record, play };
+/// Purpose of a file; the file dialogue is for all but the last two. separate: exports the selected points and removes
+/// them.
+enum class FileTask { open, saveAs, exportMesh, exportSelection, separate, record, play };
 struct FileCommand {
   FileTask task;
   std::string file;
@@ -54,6 +79,10 @@ struct LookAlong {
 struct SetParameter {
   std::string name;
   double value;
+};
+/// Gives the selected points a value of a field, by its name; the value as typed.
+struct SetValue {
+  std::string field, value;
 };
 /// True length of the measure in mm, as typed.
 struct SetTrueLength {
@@ -75,9 +104,9 @@ struct CopyText {
   std::string text;
 };
 
-using ViewCommand =
-    std::variant<WindowCommand, ModelCommand, StylusCommand, Answer, FileCommand, BrowseCommand, ModelSide, LookAlong,
-                 SetParameter, SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
+using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, SelectCommand, Answer, FileCommand,
+                                 BrowseCommand, ModelSide, LookAlong, SetParameter, SetValue, SetTrueLength,
+                                 DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

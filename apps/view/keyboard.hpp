@@ -13,15 +13,13 @@ class Keyboard {
  public:
   /// Notes the state of the key. Returns whether it is unchanged, as in a key repeat.
   bool note(const KeyEvent& event);
-  /// Commands of a key event; keys that only change a setting change it directly.
+  /// Commands of a key event with the present tool (keyRows()); keys that only change a setting change it directly.
   ViewCommands commandsOf(const KeyEvent& event, bool repeats, WindowSettings& settings) const;
   bool isShiftDown() const;
+  bool isControlDown() const;
+  bool isAltDown() const;
 
  private:
-  bool isControlDown() const;
-  ViewCommands bound(int key) const;
-  static void change(int key, WindowSettings& settings);
-
   std::array<bool, 512> down_{};
 };
 

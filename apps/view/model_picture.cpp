@@ -36,7 +36,9 @@ void ModelPicture::fit(const UVec2& window_px, std::uint32_t supersample) {
 
 bool ModelPicture::aim(const WindowSession& session, const ShownMesh& mesh, const Camera& camera,
                        const FrameOptions& options, const DVec2& cursor_px) {
-  next_ = {camera, options, session.edits(), session.frames(), mesh.triangleCount() > 0 ? mesh.version() : 0};
+  next_ = {camera,           options,
+           session.edits(),  session.attributeChanges(),
+           session.frames(), mesh.triangleCount() > 0 ? mesh.version() : 0};
   cursor_px_ = cursor_px;
   hasMoved_ = scene_ != next_;
   return hasMoved_ || isStale_ || asked_.place_px != cursor_px;
@@ -84,7 +86,11 @@ FoundSurface ModelPicture::surface(const DVec2& window_px) {
   list.end();
   sight_.window().run(list);
   const std::span<const float> found = read.mapped<const float>();
-  return {{found.begin(), found.end()}, frame_->width(), double(shrink_), scene_->camera, window_px};
+  return FoundSurface({.depths = {found.begin(), found.end()},
+                       .width = frame_->width(),
+                       .shrink = double(shrink_),
+                       .camera = scene_->camera,
+                       .size_px = window_px});
 }
 
 void ModelPicture::noteTime(double time_ms) {

@@ -60,7 +60,7 @@ class ModelPicture {
   struct Scene {
     Camera camera;
     FrameOptions options;
-    std::uint64_t edits = 0, frames = 0, mesh = 0;  // counts; version of the mesh, 0 if discs are drawn
+    std::uint64_t edits = 0, attributes = 0, frames = 0, mesh = 0;  // counts; version of the mesh, 0 if discs are drawn
     bool operator==(const Scene&) const = default;
   };
 

@@ -149,9 +149,10 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   corner_px_ = {ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y};
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
   drawDistance(status, view);
+  drawOutline(status.outline);
   if (status.heights) drawHeights(*status.heights, status.unit);
   if (view.panels && view.plots && status.session) drawPlots(status, view);
-  view.help ? drawHelp(view) : drawMessages(status, view);
+  view.help ? drawHelp(settings) : drawMessages(status, view, settings.tool);
   drawErrors(status, view);
   drawQuestions(status);
   drawFiles(status);
@@ -169,7 +170,7 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
   drawModel(status);
   drawDevice(status);
   if (status.session) {
-    drawBrush(status, settings.brush, settings.view);
+    drawTool(status, settings);
     drawFeel(status, settings.feel, settings.forcesOn);
     drawMatter(status);
     drawOthers(status);
@@ -186,6 +187,7 @@ void Panels::drawModel(const ViewStatus& status) {
     ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
     help(status.model);
     ImGui::TextDisabled("%llu points", static_cast<unsigned long long>(status.session->presentPoints()));
+    drawCounts(status.selection);
     ImGui::TextDisabled("%s", status.orientation.c_str());
     ImGui::SameLine();
     post(button("Turn"), WindowCommand::turnModel);
@@ -229,15 +231,47 @@ void Panels::drawModel(const ViewStatus& status) {
   }
 }
 
-void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view) {
+bool Panels::chosenButton(const char* name, float width, bool isChosen) {
+  if (isChosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+  const bool isPressed = button(name, width);
+  if (isChosen) ImGui::PopStyleColor();
+  return isPressed;
+}
+
+void Panels::drawTool(const ViewStatus& status, WindowSettings& settings) {
   if (!header("Tool", true)) return;
+  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  const auto choose = [&](const char* name, WindowTool tool, const char* text) {
+    if (chosenButton(name, width, settings.tool == tool)) settings.tool = tool;
+    help(text);
+  };
+  choose("Sculpt", WindowTool::sculpt, "hold Space: the mouse is the stylus (1 to 8 choose what it does)");
+  ImGui::SameLine();
+  choose("Select", WindowTool::select, "S: the left button selects points");
+  ImGui::SameLine();
+  choose("Only look", WindowTool::look, "V: the mouse only moves the view");
+  if (settings.tool == WindowTool::sculpt) drawBrush(status, settings.brush, settings.view);
+  if (settings.tool == WindowTool::select) drawSelect(status, settings);
+  const StrokeCounts counts = status.session->session().strokes();
+  ImGui::BeginDisabled(counts.undoCount == 0);
+  post(button("Undo", em(4)), ModelCommand::undo);
+  ImGui::EndDisabled();
+  help("Ctrl+Z: undoes the last stroke or change");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(counts.redoCount == 0);
+  post(button("Redo", em(4)), ModelCommand::redo);
+  ImGui::EndDisabled();
+  help("Ctrl+Shift+Z");
+  ImGui::SameLine();
+  ImGui::TextDisabled("%s", counted(counts.undoCount, "change").c_str());
+}
+
+void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view) {
   int number = 0;
   const float width = 0.25f * (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x);
   const auto chosen = [&](std::string_view name, const char* does, bool isOn) {
     if (number % 4 != 0) ImGui::SameLine();
-    if (isOn) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-    const bool isPressed = button(name.data(), width);
-    if (isOn) ImGui::PopStyleColor();
+    const bool isPressed = chosenButton(name.data(), width, isOn);
     help(fmt::format("{} ({})", does, ++number));
     return isPressed;
   };
@@ -272,18 +306,6 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
     help("depth of the stylus below the surface from which the surface yields");
     ImGui::TreePop();
   }
-  const StrokeCounts counts = status.session->session().strokes();
-  ImGui::BeginDisabled(counts.undoCount == 0);
-  post(button("Undo", em(4)), ModelCommand::undo);
-  ImGui::EndDisabled();
-  help("Ctrl+Z: undoes the last stroke");
-  ImGui::SameLine();
-  ImGui::BeginDisabled(counts.redoCount == 0);
-  post(button("Redo", em(4)), ModelCommand::redo);
-  ImGui::EndDisabled();
-  help("Ctrl+Shift+Z");
-  ImGui::SameLine();
-  ImGui::TextDisabled("%s", counted(counts.undoCount, "stroke").c_str());
 }
 
 void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn) {

@@ -13,6 +13,7 @@
 #include "apps/view/gui.hpp"
 #include "apps/view/link_history.hpp"
 #include "apps/view/place_info.hpp"
+#include "apps/view/select_tool.hpp"
 #include "apps/view/settings.hpp"
 #include "engine/io/memory_need.hpp"
 #include "haptics/devices/haptic_device.hpp"
@@ -43,6 +44,8 @@ struct ViewStatus {
   std::optional<SaveQuestion> saveQuestion;
   std::optional<MemoryNeed> memoryQuestion;
   std::optional<LeftQuestion> leftQuestion;
+  SelectionCounts selection;
+  DrawnOutline outline;              ///< that selects
   bool stylus = false;               ///< the mouse holds the stylus
   const HeldDevice* held = nullptr;  ///< the device that the user holds
   std::string gpu;
@@ -124,7 +127,13 @@ class Panels {
   void noteLetters(const ViewStatus& status);
   void drawPanel(const ViewStatus& status, WindowSettings& settings);
   void drawModel(const ViewStatus& status);
+  void drawTool(const ViewStatus& status, WindowSettings& settings);
   void drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view);
+  void drawSelect(const ViewStatus& status, WindowSettings& settings);
+  void drawSelected(const ViewStatus& status);
+  void drawCounts(const SelectionCounts& counts);
+  void drawOutline(const DrawnOutline& outline);
+  bool chosenButton(const char* name, float width, bool isChosen);
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
   void drawDevice(const ViewStatus& status);
   void drawDeviceFacts(const OpenedDevice& opened);
@@ -146,8 +155,8 @@ class Panels {
   void drawSession(const ViewStatus& status);
   void drawLink();
   void drawPlots(const ViewStatus& status, ViewSettings& view);
-  void drawHelp(ViewSettings& view);
-  void drawMessages(const ViewStatus& status, const ViewSettings& view);
+  void drawHelp(WindowSettings& settings);
+  void drawMessages(const ViewStatus& status, const ViewSettings& view, WindowTool tool);
   void drawErrors(const ViewStatus& status, const ViewSettings& view);
   void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit);
   void drawDistance(const ViewStatus& status, const ViewSettings& view) const;
@@ -169,7 +178,7 @@ class Panels {
 
   Gui& gui_;
   ViewCommands commands_;  // posted in this frame
-  std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{};
+  std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{}, fieldName_{"classification"}, fieldValue_{};
   DeviceState seenDevice_;
   bool paused_ = false;
   std::size_t chosen_ = 0;  // of the answers to a question: the one that Enter gives

@@ -14,7 +14,10 @@ namespace {
 // Title by task; ### keeps the same id for ImGui.
 const char* titleOf(FileTask task) {
   if (task == FileTask::open) return "Open a model###files";
-  return task == FileTask::saveAs ? "Save the points as###files" : "Export the triangles as###files";
+  if (task == FileTask::saveAs) return "Save the points as###files";
+  if (task == FileTask::exportSelection) return "Export the selected points as###files";
+  if (task == FileTask::separate) return "Export the selected points, and remove them###files";
+  return "Export the triangles as###files";
 }
 
 template <std::size_t n>
@@ -64,6 +67,8 @@ void Panels::browse(FileTask task, const ViewStatus& status) {
   write(files_->folder, files_->browser.folder().string());
   if (task == FileTask::saveAs) write(files_->name, beside.filename().string());
   if (task == FileTask::exportMesh) write(files_->name, beside.stem().string() + "-mesh");
+  if (task == FileTask::exportSelection || task == FileTask::separate)
+    write(files_->name, beside.stem().string() + "-part" + beside.extension().string());
 }
 
 // Returns whether a file was double-clicked.

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 
-#include "apps/view/key_help.hpp"
+#include "apps/view/key_table.hpp"
 #include "apps/view/panels.hpp"
+#include "engine/core/named_values.hpp"
 
 namespace palpate {
 
@@ -32,22 +33,24 @@ void Panels::help(const std::string& text) const {
   ImGui::EndTooltip();
 }
 
-void Panels::drawHelp(ViewSettings& view) {
+void Panels::drawHelp(WindowSettings& settings) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   const float width = std::min(em(39), display.x - em(1));
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, display.y - em(1)});
   ImGui::SetNextWindowBgAlpha(1);
-  ImGui::Begin("Help", &view.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+  ImGui::Begin("Help", &settings.view.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+  ImGui::TextDisabled("%s", std::string(nameOf(kWindowTools, settings.tool)).c_str());
   if (ImGui::BeginTable("keys", 2)) {
     ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
     ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
-    for (const auto& [keys, what] : keyHelp()) {
+    for (const KeyRow& row : keyRows()) {
+      if (!row.appliesTo(settings.tool)) continue;
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      ImGui::TextUnformatted(keys.c_str());
+      ImGui::TextUnformatted(row.keys.c_str());
       ImGui::TableNextColumn();
-      ImGui::TextWrapped("%s", what.c_str());
+      ImGui::TextWrapped("%s", row.effect.c_str());
     }
     ImGui::EndTable();
   }

@@ -17,6 +17,12 @@ std::string measureLine(const ViewStatus& status) {
   return fmt::format("measured: {}", lengthText(*status.measured, status.unit));
 }
 
+std::string hintFor(WindowTool tool) {
+  return tool == WindowTool::sculpt   ? "hold Space to touch,  H for help"
+         : tool == WindowTool::select ? "draw around points to select them,  F1 for help"
+                                      : "drag to look around,  H for help";
+}
+
 // The number of newest errors that leave most of the picture free, at least one.
 std::size_t errorsThatFit(std::span<const std::string> errors, float wrap) {
   constexpr float kShare = 0.25f;  // of the display's height
@@ -55,7 +61,7 @@ void Panels::noteLetters(const ViewStatus& status) {
 }
 
 // Beside the scale and the heights, or above them in a narrow window.
-void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
+void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view, WindowTool tool) {
   std::vector<std::string> lines = status.remarks;
   if (const DeviceCheckQuery* const test = status.held->test())
     lines.insert(lines.begin(), std::string(instructionOf(test->stage())));
@@ -69,9 +75,7 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
                                 status.isStoppable ? " (Esc cancels)" : ""));
   lines.insert(lines.end(), status.notices.begin(), status.notices.end());
   if (!status.blocked.empty()) lines.push_back(status.blocked);
-  if (lines.empty() && status.session)
-    lines.push_back(view.panels ? "hold Space to touch,  H for help"
-                                : "hold Space to touch,  H for help,  Tab for panels");
+  if (lines.empty() && status.session) lines.push_back(hintFor(tool) + (view.panels ? "" : ",  Tab for panels"));
   if (lines.empty()) return;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   const bool isBeside = view.panels && hasRoomBeside(display.x);

@@ -34,6 +34,9 @@ constexpr ScriptEvent kEvents[]{
     {"screenshot", "FILE.png", "writes a picture of the window"},
     {"state", "FILE.json", "writes the state of the window"},
     {"save", "FILE.ply", "saves the edited points"},
+    {"export", "FILE.ply", "writes the selected points"},
+    {"separate", "FILE.ply", "writes the selected points, and removes them"},
+    {"value", "FIELD VALUE", "gives the selected points a value of a field"},
     {"record", "[FILE]", "records a session log; without a file: ends it"},
     {"replay", "FILE", "plays a session log"},
     {"impatient", "", "keeps the clock running while a model is loaded or saved"},
@@ -185,9 +188,14 @@ ScriptAction actionOf(Line& line, const std::string& what) {
   if (what == "minimise" || what == "restore") return MinimiseAction{what == "minimise"};
   if (what == "screenshot") return ScreenshotAction{written(line, imageFormatOf)};
   if (what == "state") return StateAction{line.rest("the file")};
-  if (what == "save") {
+  for (const auto& [name, task] :
+       {std::pair{"save", FileTask::saveAs}, {"export", FileTask::exportSelection}, {"separate", FileTask::separate}}) {
     const auto kind = [](const std::string& file) { cloudFormats().toWrite(file, Written::points); };
-    return ViewCommand(FileCommand{FileTask::saveAs, written(line, kind)});
+    if (what == name) return ViewCommand(FileCommand{task, written(line, kind)});
+  }
+  if (what == "value") {
+    const std::string field = line.word("the field");
+    return ViewCommand(SetValue{field, line.word("its value")});
   }
   if (what == "record" && line.atEnd()) return ViewCommand(ModelCommand::endRecording);
   if (what == "record") return ViewCommand(FileCommand{FileTask::record, line.rest("the file")});

@@ -1,7 +1,10 @@
 // All settings of the window.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include "apps/cli/look.hpp"
 #include "apps/view/session.hpp"
@@ -52,8 +55,33 @@ struct ViewSettings {
   }
 };
 
+/// What the mouse does: it is the stylus while Space is held, selects points, or only moves the view.
+enum class WindowTool : std::uint8_t { sculpt, select, look };
+inline constexpr std::array<std::pair<std::string_view, WindowTool>, 3> kWindowTools{
+    {{"sculpting", WindowTool::sculpt}, {"selecting", WindowTool::select}, {"looking", WindowTool::look}}};
+
+/// How points are selected: drawn, or by one that is clicked.
+enum class SelectShape : std::uint8_t { rectangle, lasso, polygon, brush, flood, same };
+inline constexpr std::array<std::pair<std::string_view, SelectShape>, 6> kSelectShapes{
+    {{"rectangle", SelectShape::rectangle},
+     {"lasso", SelectShape::lasso},
+     {"polygon", SelectShape::polygon},
+     {"brush ball", SelectShape::brush},
+     {"flood", SelectShape::flood},
+     {"same", SelectShape::same}}};
+struct SelectSettings {
+  SelectShape shape = SelectShape::rectangle;
+  bool through = false;        ///< also points behind the first surface
+  double brush_mm = 5;         ///< radius
+  bool floodsByColor = false;  ///< else by the direction of the normals
+  double angle_deg = 15;       ///< largest angle to the normal of the clicked point
+  int colorStep = 24;          ///< largest difference in red, green and blue each, of 255
+};
+
 /// All settings.
 struct WindowSettings {
+  WindowTool tool = WindowTool::sculpt;
+  SelectSettings select;
   ViewSettings view;
   BrushSettings brush;
   FeelSettings feel;

@@ -56,6 +56,7 @@ void Viewer::step() {
   messages_.dropOld();
   followDevice();
   followSession();
+  followTool();
   // No stroke continues behind a question.
   if (document_.asks())
     pointing_.letGo(pointed());
@@ -117,23 +118,44 @@ void Viewer::handle(const WindowEvent& event) {
     if (!gui_.wantsKeys() && !document_.asks() && !panels_.areFilesOpen())
       carryOut(keyboard_.commandsOf(*key, repeats, settings_));
   }
-  if (const auto* mouse = std::get_if<MouseEvent>(&event)) pointing_.moveMouse(mouse->place_px, pointed());
+  if (const auto* mouse = std::get_if<MouseEvent>(&event)) {
+    pointing_.moveMouse(mouse->place_px, pointed());
+    select_.moveTo(mouse->place_px);
+  }
   if (std::holds_alternative<MouseEvent>(event) || std::holds_alternative<WheelEvent>(event)) events_.forgetSeen();
   const bool meansModel = document_.session() && !gui_.wantsMouse() && !document_.asks();
   if (const auto* button = std::get_if<ButtonEvent>(&event)) {
     if (!button->down) pointing_.release(button->button, pointed());
+    if (!button->down) messages_.tryTo([&] { select_.release(button->button, settings_.select, pointed()); });
     if (pointing_.takeMiss()) messages_.say("nothing is measured: the model is not under the cursor");
     if (button->down && document_.isGivingWay() && pointing_.holdsStylus() && !gui_.wantsMouse())
       messages_.say("no stroke: " + document_.whyWaiting());
-    if (button->down && meansModel) pointing_.press(button->button, keyboard_.isShiftDown(), settings_.view, pointed());
+    if (button->down && meansModel) messages_.tryTo([&] { press(button->button); });
   }
-  if (const auto* wheel = std::get_if<WheelEvent>(&event); wheel && meansModel) pointing_.turnWheel(*wheel, pointed());
+  if (const auto* wheel = std::get_if<WheelEvent>(&event); wheel && meansModel && !select_.isDrawing())
+    pointing_.turnWheel(*wheel, pointed());
   if (const auto* drop = std::get_if<DropEvent>(&event); drop && !drop->files.empty()) {
     document_.offer(drop->files);
     document_.open(drop->files.front());
   }
   if (const auto* push = std::get_if<PushEvent>(&event)) carryOut(pointing_.push(*push, pointed()));
   if (std::holds_alternative<CloseEvent>(event)) closing_ = Closing::asked;
+}
+
+void Viewer::press(MouseButton button) {
+  const SelectTool::Keys keys{
+      .shift = keyboard_.isShiftDown(), .control = keyboard_.isControlDown(), .alt = keyboard_.isAltDown()};
+  if (settings_.tool == WindowTool::select && select_.press(button, keys, settings_.select, pointed())) return;
+  pointing_.press(button, keys.shift, settings_.view, pointed());
+}
+
+// The stylus of the mouse, an outline and a measure are each of one tool.
+void Viewer::followTool() {
+  if (settings_.tool != WindowTool::sculpt && pointing_.holdsStylus()) pointing_.letGo(pointed());
+  if (settings_.tool == WindowTool::select && document_.session() && !document_.asks())
+    settings_.view.measures = false;
+  else
+    select_.cancel();
 }
 
 bool Viewer::scriptWaits() const {
@@ -210,6 +232,7 @@ void Viewer::carryOut(const ViewCommand& command) {
   if (const auto* file = std::get_if<FileCommand>(&command)) carryOut(*file);
   if (const auto* browse = std::get_if<BrowseCommand>(&command)) panels_.browse(browse->task, status());
   if (const auto* device = std::get_if<DeviceCommand>(&command)) carryOut(*device);
+  if (const auto* select = std::get_if<SelectCommand>(&command)) carryOut(*select);
   if (const auto* device = std::get_if<ChooseDevice>(&command)) held_.choose(device->device);
   if (const auto* axes = std::get_if<SetDeviceAxes>(&command)) held_.setAxes(axes->text);
   if (const auto* copied = std::get_if<CopyText>(&command)) window_.setClipboard(copied->text);
@@ -221,6 +244,7 @@ void Viewer::carryOut(const ViewCommand& command) {
   if (const auto* look = std::get_if<LookAlong>(&command))
     viewpoint_.lookAlong(look->axis, !look->fromBehind, up, front);
   if (const auto* set = std::get_if<SetParameter>(&command)) session->setParameter(set->name, set->value);
+  if (const auto* set = std::get_if<SetValue>(&command)) messages_.say(palpate::carryOut(*set, *session));
   // Opens the model again at the scale that gives the measure this length.
   if (const auto* length = std::get_if<SetTrueLength>(&command)) document_.openAtScale(measure_.scaleFor(length->text));
 }
@@ -260,12 +284,22 @@ void Viewer::carryOut(DeviceCommand command) {
   }
 }
 
+void Viewer::carryOut(SelectCommand command) {
+  select_.carryOut(command, settings_.select, pointed());
+  if (command >= SelectCommand::closeOutline || !document_.session()) return;
+  const std::string remark = palpate::carryOut(command, *document_.session(), settings_.brush);
+  if (!remark.empty()) messages_.say(remark);
+}
+
 void Viewer::carryOut(const FileCommand& command) {
   if (command.file.empty()) throw Error("type the name of a file into the field first");
   if (command.task == FileTask::open) return document_.open(command.file);
   if (!document_.session()) return;
   if (command.task == FileTask::saveAs) document_.saveTo(command.file);
   if (command.task == FileTask::exportMesh) exportMesh(command.file);
+  if (command.task == FileTask::exportSelection || command.task == FileTask::separate)
+    messages_.say(
+        exportSelection(*document_.session(), document_.file(), command.file, command.task == FileTask::separate));
   if (command.task == FileTask::record) document_.record(command.file);
   if (command.task == FileTask::play) document_.play(command.file);
 }

@@ -13,6 +13,7 @@
 #include "apps/view/pointing_devices.hpp"
 #include "apps/view/screen.hpp"
 #include "apps/view/script_player.hpp"
+#include "apps/view/select_tool.hpp"
 #include "apps/view/shown_model.hpp"
 #include "apps/view/viewpoint.hpp"
 
@@ -56,6 +57,7 @@ class Viewer {
   void carryOut(WindowCommand command);
   void carryOut(const FileCommand& command);
   void carryOut(DeviceCommand command);
+  void carryOut(SelectCommand command);
   void load();
   void rest();
   void letGo();
@@ -66,6 +68,8 @@ class Viewer {
   void followName();
   void sayLost(const std::string& failure);
   void playTicks();
+  void followTool();
+  void press(MouseButton button);
   void applySettings();
   /// Returns whether a frame was shown: it would have differed from the last one.
   bool draw(double dt_s);
@@ -79,7 +83,7 @@ class Viewer {
   void findPlaceInfo();
   Pointed pointed();
   ViewStatus status();
-  std::vector<std::string> notices() const;
+  std::vector<std::string> notices();
   ViewStatus::ScaleBar scaleOfPicture() const;
   std::optional<DVec2> middleOfMeasure_px() const;
   void writeState(const std::string& file);
@@ -102,6 +106,8 @@ class Viewer {
   double now_s_ = 0, polled_s_ = 0;  // of the event that is handled, or of the frame; of the last look for events
   Keyboard keyboard_;
   PointingDevices pointing_;
+  SelectTool select_;
+  CountedSelection selection_;
   Measure measure_;
   struct {
     std::uint64_t version = 0;  // of the measure

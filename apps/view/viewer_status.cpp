@@ -3,6 +3,7 @@
 #include "apps/view/viewer.hpp"
 #include "apps/view/window_state.hpp"
 #include "engine/core/atomic_file.hpp"
+#include "engine/core/counted.hpp"
 
 namespace palpate {
 
@@ -29,9 +30,15 @@ void Viewer::findPlaceInfo() {
   if (!measure_.picked().empty()) picked_.info = placeInfo(*document_.session(), measure_.picked().back());
 }
 
-std::vector<std::string> Viewer::notices() const {
+std::vector<std::string> Viewer::notices() {
   std::vector<std::string> notices;
   if (!document_.saving().empty()) notices.push_back("saving " + document_.saving());
+  if (const WindowSession* const session = document_.shown()) {
+    const SelectionCounts& counts = selection_.of(*session);
+    if (counts.hidden > 0)
+      notices.push_back(counted(counts.hidden, "point is hidden", "points are hidden") +
+                        " (S, then Shift+H shows all)");
+  }
   if (!settings_.forcesOn) notices.emplace_back("forces off (Backspace)");
   return notices;
 }
@@ -75,6 +82,7 @@ ViewStatus Viewer::status() {
     status.unit = view.unitOf(session->model());
     status.lengths = view.shownLength(*session);
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
+    status.selection = selection_.of(*session);
     status.measuredAt_px = middleOfMeasure_px();
     if (view.color == ColorSource::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));
   }
@@ -85,6 +93,8 @@ ViewStatus Viewer::status() {
   status.memoryQuestion = document_.memoryQuestion();
   status.leftQuestion = document_.leftQuestion();
   status.saveFile = document_.saveFile();
+  if (settings_.tool == WindowTool::select && !gui_.wantsMouse())
+    status.outline = select_.drawn(settings_.select, pointed());
   status.stylus = pointing_.holdsStylus();
   status.held = &held_;
   status.gpu = screen_.sight().name();
@@ -101,6 +111,10 @@ ViewStatus Viewer::status() {
 
 void Viewer::writeState(const std::string& file) {
   const WindowState state{.document = document_,
+                          .tool = settings_.tool,
+                          .select = settings_.select,
+                          .selection = document_.shown() ? selection_.of(*document_.shown()) : SelectionCounts(),
+                          .draws = select_.isDrawing(),
                           .view = settings_.view,
                           .messages = messages_,
                           .notices = notices(),

@@ -8,6 +8,7 @@
 #include "apps/view/held_device.hpp"
 #include "apps/view/messages.hpp"
 #include "apps/view/place_info.hpp"
+#include "apps/view/selection.hpp"
 #include "apps/view/settings.hpp"
 #include "engine/render/camera.hpp"
 
@@ -15,6 +16,10 @@ namespace palpate {
 
 struct WindowState {
   const Document& document;
+  WindowTool tool = WindowTool::sculpt;
+  const SelectSettings& select;
+  SelectionCounts selection;
+  bool draws = false;  ///< an outline that selects
   const ViewSettings& view;
   const Messages& messages;
   std::vector<std::string> notices;

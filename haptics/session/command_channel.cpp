@@ -86,7 +86,7 @@ void CommandChannel::note(LoggedCommand::Kind kind, std::string content) {
   LoggedCommand command{.kind = kind, .content = std::move(content)};
   if (isLent_) return notes_.push_back(std::move(command));
   const std::uint64_t ticks = recording_->ticks();
-  if (ticks == 0 || kind == LoggedCommand::Kind::attribute) add(ticks, std::move(command));
+  if (ticks == 0 || kind >= LoggedCommand::Kind::attribute) add(ticks, std::move(command));
 }
 
 }  // namespace palpate

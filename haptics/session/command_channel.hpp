@@ -90,7 +90,7 @@ class CommandChannel {
   /// Records a command that has taken effect before that tick.
   void add(std::uint64_t tick, LoggedCommand command);
   /// Records a command of the present loan, once that has been given back; where no loop runs, now, if it is a change
-  /// of a mask or a field, or the first tick is still to come.
+  /// of points, a mask or a field, or the first tick is still to come.
   void note(LoggedCommand::Kind kind, std::string content);
 
  private:

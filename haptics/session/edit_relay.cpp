@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
+#include <utility>
 
 #include "engine/core/start_thread.hpp"
 #include "haptics/session/recorded_edits.hpp"
@@ -69,6 +71,7 @@ void EditRelay::catchUp() {
   batch_.clear();
   std::swap(batch_, changed_);
   if (keepsPoints() && edits_) edits_->take(batch_);
+  if (std::exchange(endsInStroke_, false)) markStroke();
   if (!batch_.empty()) {
     if (options_.log) options_.log->add(batch_);
     attributes_.follow(batch_, history_->points());
@@ -89,6 +92,14 @@ void EditRelay::catchUp() {
     }
   }
   std::erase(options_.followers, nullptr);
+}
+
+// The states before the mark of the change belong to a stroke; the change itself, which followers count, has none.
+void EditRelay::markStroke() {
+  const auto last =
+      std::ranges::find(batch_.marks.rbegin(), batch_.marks.rend(), EditMark::Kind::change, &EditMark::kind);
+  if (last != batch_.marks.rend())
+    batch_.marks.insert(std::prev(last.base()), {.at = last->at, .kind = EditMark::Kind::stroke});
 }
 
 void EditRelay::checkFollower() const {
@@ -133,6 +144,13 @@ void EditRelay::applyMasks() {
 void EditRelay::change(AttributeChange change) {
   catchUp();
   history_->make(std::move(change), [&](AttributeChange& made) { exchange(made, EditMark::Kind::attribute); });
+  catchUp();
+}
+
+void EditRelay::setPoints(std::span<const PointChange> changes) {
+  catchUp();
+  edits_->change(changes);
+  endsInStroke_ = true;
   catchUp();
 }
 

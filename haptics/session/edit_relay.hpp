@@ -70,6 +70,9 @@ class EditRelay {
   /// Changes a mask or a field, which can be undone, between strokes; if memory is out, nothing has changed. Requires
   /// keepsPoints(), since new points take the masks and values of their parents.
   void change(AttributeChange change);
+  /// Sets points, each once and not at the state `to` yet, to that state, as one stroke, between strokes. Throws as
+  /// EditStream::change() does; then nothing has changed. Requires keepsPoints() and edits.
+  void setPoints(std::span<const PointChange> changes);
   /// Undoes up to `undo` changes and redoes up to `redo` of them, between strokes, once all edits were taken. If one
   /// fails, the history stays as after the last one that did not.
   UndoneStrokes undo(std::size_t undo, std::size_t redo);
@@ -81,6 +84,7 @@ class EditRelay {
   // Exchanges a mask or a field; in the back end, too, if it has to know of it.
   void exchange(AttributeChange& change, EditMark::Kind kind, bool inBackEnd = true);
   void applyMask(MaskRole role);
+  void markStroke();
   // Whether an edit log of bounded size may soon have no room for another edit.
   bool isNearlyFull() const;
   bool isHalfFull() const;
@@ -92,7 +96,8 @@ class EditRelay {
   RelayOptions options_;
   std::optional<History> history_;
   EditBatch batch_;
-  EditBatch changed_;  // begins the next batch
+  EditBatch changed_;          // begins the next batch
+  bool endsInStroke_ = false;  // the last change of the next batch is a stroke
   std::uint64_t ticks_ = 0, period_ = 1;
   double lastFlush_s_ = 0;
   std::exception_ptr failure_, followerFailure_;  // the first one of each

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace palpate {
 
@@ -43,48 +42,33 @@ DVec3 normalAt(const Pick& pick, const Camera& camera, const DVec2& size_px) {
   return glm::dot(facing, toEye) < kMinTowardsEye ? toEye : facing;
 }
 
-FoundSurface::FoundSurface(std::vector<float> depths, std::uint32_t width, double shrink, const Camera& camera,
-                           const DVec2& size_px)
-    : depths_(std::move(depths)),
-      width_(width),
-      height_(width > 0 ? static_cast<std::uint32_t>(depths_.size() / width) : 0),
-      shrink_(shrink),
-      camera_(camera),
-      size_px_(size_px) {}
-
-double FoundSurface::depthAt(const DVec2& place_px) const {
-  const DVec2 at = glm::floor(place_px / shrink_);
-  if (!(at.x >= 0 && at.y >= 0 && at.x < width_ && at.y < height_)) return 0;
-  return static_cast<double>(depths_[static_cast<std::size_t>(at.y) * width_ + static_cast<std::size_t>(at.x)]);
-}
-
 std::optional<FoundSpot> FoundSurface::at(const DVec2& place_px) const {
-  Pick pick{.place_px = place_px, .depth = depthAt(place_px), .beside_px = kBeside * shrink_};
+  Pick pick{.place_px = place_px, .depth = picture_.depthAt(place_px), .beside_px = kBeside * picture_.shrink};
   if (!(pick.depth > 0)) return std::nullopt;
   const DVec2 ways[]{{-pick.beside_px, 0}, {pick.beside_px, 0}, {0, -pick.beside_px}, {0, pick.beside_px}};
-  for (std::size_t k = 0; k < pick.beside.size(); ++k) pick.beside[k] = depthAt(place_px + ways[k]);
+  for (std::size_t k = 0; k < pick.beside.size(); ++k) pick.beside[k] = picture_.depthAt(place_px + ways[k]);
   const auto gentler = [&](std::size_t first) {
     double least = std::numeric_limits<double>::infinity();
     for (const std::size_t k : {first, first + 1})
       if (pick.beside[k] > 0) least = std::min(least, std::abs(pick.beside[k] - pick.depth) / pick.beside_px);
     return std::isfinite(least) ? least : 0;
   };
-  const DVec3 place = camera_.unproject(place_px, pick.depth, size_px_);
+  const DVec3 place = picture_.camera.unproject(place_px, pick.depth, picture_.size_px);
   return FoundSpot{.place = place,
-                   .outward = normalAt(pick, camera_, size_px_),
-                   .toEye = glm::normalize(camera_.eye - place),
+                   .outward = normalAt(pick, picture_.camera, picture_.size_px),
+                   .toEye = glm::normalize(picture_.camera.eye - place),
                    .depth = pick.depth,
                    .slope = std::hypot(gentler(0), gentler(2))};
 }
 
 bool FoundSurface::isStep(const FoundSpot& a, const FoundSpot& b, double way_px, double allowed) const {
-  const double aside = std::min(a.depth, b.depth) / camera_.focal_px(size_px_.y);  // of a pixel
+  const double aside = std::min(a.depth, b.depth) / picture_.camera.focal_px(picture_.size_px.y);  // of a pixel
   const double explained = way_px * std::max(kSteepest * aside, kSteeper * std::max(a.slope, b.slope));
   return std::abs(a.depth - b.depth) > allowed + explained;
 }
 
 DVec3 FoundSurface::inPlane(const FoundSpot& spot, const DVec2& place_px) const {
-  return camera_.unproject(place_px, spot.depth, size_px_);
+  return picture_.camera.unproject(place_px, spot.depth, picture_.size_px);
 }
 
 }  // namespace palpate

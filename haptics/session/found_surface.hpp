@@ -3,9 +3,9 @@
 
 #include <array>
 #include <optional>
-#include <vector>
+#include <utility>
 
-#include "engine/render/camera.hpp"
+#include "engine/render/depth_picture.hpp"
 
 namespace palpate {
 
@@ -34,11 +34,9 @@ class FoundSurface {
  public:
   /// Without depths there is no surface anywhere.
   FoundSurface() = default;
-  /// `depths`: of a picture of `width` pixels a row, each of which covers `shrink` x `shrink` pixels of the window of
-  /// `size_px`.
-  FoundSurface(std::vector<float> depths, std::uint32_t width, double shrink, const Camera& camera,
-               const DVec2& size_px);
+  explicit FoundSurface(DepthPicture picture) : picture_(std::move(picture)) {}
 
+  const DepthPicture& picture() const { return picture_; }
   /// The surface under a pixel of the window; nothing beside the model.
   std::optional<FoundSpot> at(const DVec2& place_px) const;
   /// Whether the surface is interrupted between two positions that are `way_px` apart: their depths differ by more than
@@ -48,13 +46,7 @@ class FoundSurface {
   DVec3 inPlane(const FoundSpot& spot, const DVec2& place_px) const;
 
  private:
-  double depthAt(const DVec2& place_px) const;
-
-  std::vector<float> depths_;
-  std::uint32_t width_ = 0, height_ = 0;
-  double shrink_ = 1;
-  Camera camera_;
-  DVec2 size_px_{0};
+  DepthPicture picture_;
 };
 
 }  // namespace palpate

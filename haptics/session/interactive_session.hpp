@@ -66,6 +66,8 @@ class InteractiveSession {
   /// All changes of the points since the last call (edits, undo, others' edits), for a caller with its own drawn copy.
   EditBatch takeBatch() { return std::exchange(batch_, {}); }
   std::uint64_t edits() const { return edits_; }  ///< number of point states so far
+  /// Number of changes of masks and fields so far.
+  std::uint64_t attributeChanges() const { return attributeChanges_; }
   /// Has not failed.
   bool isTouching() const { return !failed_; }
   /// Session::pause(), and resume() unless it has failed.
@@ -111,6 +113,12 @@ class InteractiveSession {
   }
   void setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values) {
     if (!failed_) session_.setField(field, points, std::move(values));
+  }
+  void removePoints(const PointSet& points) {
+    if (!failed_) session_.removePoints(points);
+  }
+  void paintPoints(const PointSet& points, std::uint32_t color) {
+    if (!failed_) session_.paintPoints(points, color);
   }
   /// Throws Error also after a failure.
   std::uint32_t fieldNamed(std::string_view name, ScalarType type = ScalarType::f32);
@@ -202,7 +210,7 @@ class InteractiveSession {
   RecentTicks recentTicks_;
   std::vector<TraceRow> rows_;
   EditBatch batch_;
-  std::uint64_t edits_ = 0;
+  std::uint64_t edits_ = 0, attributeChanges_ = 0;
   std::exception_ptr takeFailure_;
 
   // The recorded hand that is being played.

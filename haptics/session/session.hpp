@@ -229,6 +229,10 @@ class Session {
   /// Sets values of the field: one for each of the points, ascending, in native byte order. Otherwise as setMask();
   /// throws Error also if a point has no number yet, or values are missing.
   void setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values);
+  /// Removes those of the points that exist, or gives them a colour (packedColor()), as one stroke. Otherwise as
+  /// setMask().
+  void removePoints(const PointSet& points) { setPoints(points, std::nullopt); }
+  void paintPoints(const PointSet& points, std::uint32_t color) { setPoints(points, color); }
   /// Makes one of these changes as a log contains it. Throws Error also if it does not fit (LayerAttributes::fits()).
   void change(AttributeChange change);
   /// Repeats a command of a session log.
@@ -316,6 +320,8 @@ class Session {
   std::string textFor(const SessionConfig& config) const;
   const LayerAttributes& attributesFor(Action action, std::string_view what) const;
   void logAttributes(SessionWriter& log, const EditBatch& past);
+  // Without a colour they are removed.
+  void setPoints(const PointSet& points, std::optional<std::uint32_t> color);
   bool settleFar(double timeout_s);
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
 

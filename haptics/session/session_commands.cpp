@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstring>
 #include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
@@ -19,6 +20,17 @@ std::size_t countIn(const std::string& content) {
   std::size_t count = 0;
   std::from_chars(content.data(), content.data() + content.size(), count);
   return count;
+}
+
+constexpr std::uint64_t kRemoved = ~std::uint64_t{0};  // in place of a colour
+
+// Of LoggedCommand::Kind::points.
+std::string contentOf(const PointSet& points, std::optional<std::uint32_t> color) {
+  std::vector<std::uint64_t> words = points.words();
+  words.insert(words.begin(), color ? std::uint64_t{*color} : kRemoved);
+  std::string content(words.size() * sizeof words[0], 0);
+  std::memcpy(content.data(), words.data(), content.size());
+  return content;
 }
 
 }  // namespace
@@ -166,6 +178,24 @@ void Session::setField(std::uint32_t field, const PointSet& points, std::vector<
   });
 }
 
+void Session::setPoints(const PointSet& points, std::optional<std::uint32_t> color) {
+  attributesFor(color ? Action::paint : Action::carve, color ? "paint" : "remove");
+  between([&] {
+    const PointStates& present = history()->points();
+    std::vector<PointChange> changes;
+    points.forEach([&](std::uint64_t point) {
+      const PointState from = present[point];
+      PointState to = from;
+      if (color) to.color = *color;
+      to.gone = !color;
+      if (!from.gone && from != to) changes.push_back({.from = from, .to = to});
+    });
+    if (changes.empty()) return;
+    relay_.setPoints(changes);
+    channel_.note(LoggedCommand::Kind::points, recording() ? contentOf(points, color) : std::string());
+  });
+}
+
 EditBatch Session::attributeHistory() {
   const Abilities can = abilities();
   return pointHistory() && can.allow(Action::select) ? relay_.attributeHistory() : EditBatch();
@@ -272,6 +302,16 @@ void Session::repeat(const LoggedCommand& command) {
                                                     : Frames::step);
     case Kind::attribute:
       return;  // change()
+    case Kind::points: {
+      std::vector<std::uint64_t> words(command.content.size() / sizeof(std::uint64_t));
+      if (words.empty()) return;
+      std::memcpy(words.data(), command.content.data(), words.size() * sizeof words[0]);
+      std::span<const std::uint64_t> rest = std::span(words).subspan(1);
+      PointSet points;
+      if (!points.read(rest)) return;  // the log is damaged
+      const bool removes = words[0] == kRemoved;
+      return setPoints(points, removes ? std::nullopt : std::optional(static_cast<std::uint32_t>(words[0])));
+    }
   }
 }
 

@@ -62,7 +62,7 @@ class CommandsAgain {
   }
   static bool isWithoutLoop(const LoggedCommand& command) {
     using Kind = LoggedCommand::Kind;
-    constexpr std::array kKinds{Kind::begin, Kind::attribute, Kind::undo, Kind::redo};
+    constexpr std::array kKinds{Kind::begin, Kind::attribute, Kind::points, Kind::undo, Kind::redo};
     return std::ranges::count(kKinds, command.kind) > 0;
   }
   // In a damaged log a change may be missing, or not fit without one that is.

@@ -27,7 +27,10 @@ FoundSurface pictureOf(const Shape& shape) {
   for (double y = 0.5; y < kSize_px.y; ++y)
     for (double x = 0.5; x < kSize_px.x; ++x)
       depths.push_back(static_cast<float>(shape(kCamera.unproject({x, y}, 1, kSize_px) - kCamera.eye)));
-  return {std::move(depths), static_cast<std::uint32_t>(kSize_px.x), 1, kCamera, kSize_px};
+  return FoundSurface({.depths = std::move(depths),
+                       .width = static_cast<std::uint32_t>(kSize_px.x),
+                       .camera = kCamera,
+                       .size_px = kSize_px});
 }
 
 double sphereDepth(const DVec3& ray) {

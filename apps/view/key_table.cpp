@@ -1,0 +1,221 @@
+#define GLFW_INCLUDE_NONE
+#include "apps/view/key_table.hpp"
+
+#include <GLFW/glfw3.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "engine/core/named_values.hpp"
+#include "haptics/session/settings.hpp"
+
+namespace palpate {
+
+namespace {
+
+using Tools = std::vector<WindowTool>;
+using Set = std::function<void(WindowSettings&)>;
+constexpr bool kWith = true, kWithout = false;
+constexpr std::nullopt_t kEither = std::nullopt;
+
+Set switches(bool ViewSettings::*what) {
+  return [what](WindowSettings& settings) { settings.view.*what = !(settings.view.*what); };
+}
+
+Set chooses(SelectShape shape) {
+  return [shape](WindowSettings& settings) { settings.select.shape = shape; };
+}
+
+// A second press goes back to sculpting.
+Set switchesTo(WindowTool tool) {
+  return [tool](WindowSettings& settings) { settings.tool = settings.tool == tool ? WindowTool::sculpt : tool; };
+}
+
+// 0: only feel.
+Set sculptsWith(std::size_t number) {
+  return [number](WindowSettings& settings) {
+    settings.tool = WindowTool::sculpt;
+    settings.brush.sculpts = number > 0;
+    if (number > 0) settings.brush.kind = kBrushes[number - 1].kind;
+  };
+}
+
+// By one press of [ or ].
+Set resizes(bool isBrush, double factor) {
+  return [=](WindowSettings& settings) {
+    const Range& range = settingNamed<BrushConfig>("radius_mm").slider;
+    double& radius_mm = isBrush ? settings.brush.radius_mm : settings.select.brush_mm;
+    radius_mm = std::clamp(radius_mm * factor, range.min, range.max);
+  };
+}
+
+std::vector<KeyBinding> numbered(bool isControl, std::size_t count,
+                                 const std::function<KeyAction(std::size_t)>& action) {
+  std::vector<KeyBinding> bindings;
+  for (std::size_t k = 0; k < count; ++k)
+    bindings.push_back({GLFW_KEY_1 + static_cast<int>(k), isControl, kEither, {action(k)}});
+  return bindings;
+}
+
+// Along an axis, with Shift from behind.
+std::vector<KeyBinding> axes() {
+  std::vector<KeyBinding> bindings;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool isShift : {kWithout, kWith})
+      bindings.push_back({GLFW_KEY_X + axis, kWithout, isShift, {LookAlong{axis, isShift}}});
+  return bindings;
+}
+
+std::vector<KeyRow> make() {
+  constexpr double kStep = 1.1;
+  const Tools sculpt{WindowTool::sculpt}, select{WindowTool::select}, others{WindowTool::sculpt, WindowTool::look},
+      brushes{WindowTool::sculpt, WindowTool::select}, all{WindowTool::sculpt, WindowTool::select, WindowTool::look};
+  const auto plain = [](int key, std::vector<KeyAction> press) {
+    return KeyBinding{key, kWithout, kEither, std::move(press)};
+  };
+  const auto controlled = [](int key, std::optional<bool> shift, std::vector<KeyAction> press) {
+    return KeyBinding{key, kWith, shift, std::move(press)};
+  };
+  const Set closesHelp = [](WindowSettings& settings) { settings.view.help = settings.view.measures = false; };
+  return {
+      {sculpt,
+       "hold Space",
+       "the mouse is the stylus: move over the model",
+       {{GLFW_KEY_SPACE, kEither, kEither, {StylusCommand::hold}, {StylusCommand::letGo}}}},
+      {sculpt, "Space + left button", "press into the model, and sculpt with a brush"},
+      {sculpt, "Space + wheel", "deeper, or less deep"},
+      {sculpt, "T", "keep the stylus without holding Space", {plain(GLFW_KEY_T, {StylusCommand::lockOrUnlock})}},
+      {others, "left drag", "rotate the view about the point under the cursor"},
+      {others, "middle drag, Shift + left", "move the view"},
+      {others, "double click", "look at the point under the cursor"},
+      {select, "left drag", "selects; with Shift adds, with Ctrl removes, with both keeps what is in both"},
+      {select, "right, middle drag", "rotate, move the view"},
+      {all, "wheel", "zoom to the cursor"},
+      {all, "S", "select points, and back", {plain(GLFW_KEY_S, {switchesTo(WindowTool::select)})}},
+      {all,
+       "V",
+       "only look, so that nothing can be changed by the mouse, and back",
+       {plain(GLFW_KEY_V, {switchesTo(WindowTool::look)})}},
+      {select,
+       "R;  L;  P",
+       "select by a rectangle;  a lasso;  a polygon",
+       {plain(GLFW_KEY_R, {chooses(SelectShape::rectangle)}), plain(GLFW_KEY_L, {chooses(SelectShape::lasso)}),
+        plain(GLFW_KEY_P, {chooses(SelectShape::polygon)})}},
+      {select,
+       "B;  O;  E",
+       "by a brush, a ball on the surface;  flood: connected and alike;  everything alike: same class or colour",
+       {plain(GLFW_KEY_B, {chooses(SelectShape::brush)}), plain(GLFW_KEY_O, {chooses(SelectShape::flood)}),
+        plain(GLFW_KEY_E, {chooses(SelectShape::same)})}},
+      {select,
+       "Enter, right click",
+       "close the polygon",
+       {plain(GLFW_KEY_ENTER, {SelectCommand::closeOutline}), plain(GLFW_KEY_KP_ENTER, {SelectCommand::closeOutline})}},
+      {select,
+       "Backspace, Alt + click",
+       "take the polygon's last corner back",
+       {plain(GLFW_KEY_BACKSPACE, {SelectCommand::takeBack})}},
+      {select,
+       "hold Space",
+       "move the outline while it is drawn",
+       {{GLFW_KEY_SPACE, kEither, kEither, {SelectCommand::holdOutline}, {SelectCommand::letOutlineGo}}}},
+      {select,
+       "T",
+       "select through, also what is behind the first surface",
+       {plain(GLFW_KEY_T, {[](WindowSettings& settings) { settings.select.through = !settings.select.through; }})}},
+      {select,
+       "Ctrl+A;  Ctrl+Shift+A;  Ctrl+I",
+       "select all;  none;  the others",
+       {controlled(GLFW_KEY_A, kWithout, {SelectCommand::all}), controlled(GLFW_KEY_A, kWith, {SelectCommand::none}),
+        controlled(GLFW_KEY_I, kEither, {SelectCommand::invert})}},
+      {select,
+       "+  -;  J",
+       "grow or shrink the selection;  select what is connected with it",
+       {plain(GLFW_KEY_EQUAL, {SelectCommand::grow}), plain(GLFW_KEY_KP_ADD, {SelectCommand::grow}),
+        plain(GLFW_KEY_MINUS, {SelectCommand::shrink}), plain(GLFW_KEY_KP_SUBTRACT, {SelectCommand::shrink}),
+        plain(GLFW_KEY_J, {SelectCommand::connected})}},
+      {select,
+       "H;  Shift+H;  I",
+       "hide what is selected;  show all;  hide the others",
+       {{GLFW_KEY_H, kWithout, kWithout, {SelectCommand::hide}},
+        {GLFW_KEY_H, kWithout, kWith, {SelectCommand::showAll}},
+        plain(GLFW_KEY_I, {SelectCommand::isolate})}},
+      {select, "Delete", "remove the selected points", {plain(GLFW_KEY_DELETE, {SelectCommand::remove})}},
+      {others, "R", "reset the view", {plain(GLFW_KEY_R, {WindowCommand::resetView})}},
+      {all, "Home", "reset the view", {plain(GLFW_KEY_HOME, {WindowCommand::resetView})}},
+      {all, "X  Y  Z", "look along an axis (Shift: from behind)", axes()},
+      {all, "U", "turn the model by 90 degrees, clockwise", {plain(GLFW_KEY_U, {WindowCommand::turnModel})}},
+      {all, "Ctrl+1 to Ctrl+7", "look at the front, back, left, right, top, bottom, or isometric",
+       numbered(kWith, kModelSides.size(), [](std::size_t k) { return kModelSides[k].second; })},
+      {all, fmt::format("1 to {}", kBrushes.size() + 1),
+       fmt::format("sculpt: {}", fmt::join(namesOf(kBrushKinds, {"feel"}), ", ")),
+       numbered(kWithout, kBrushes.size() + 1, sculptsWith)},
+      {sculpt,
+       "[  ]",
+       "smaller, larger brush",
+       {plain(GLFW_KEY_LEFT_BRACKET, {resizes(true, 1 / kStep)}),
+        plain(GLFW_KEY_RIGHT_BRACKET, {resizes(true, kStep)})}},
+      {select,
+       "[  ]",
+       "smaller, larger brush of the selection",
+       {plain(GLFW_KEY_LEFT_BRACKET, {resizes(false, 1 / kStep)}),
+        plain(GLFW_KEY_RIGHT_BRACKET, {resizes(false, kStep)})}},
+      {all,
+       "Ctrl+Z,  Ctrl+Shift+Z",
+       "undo, redo",
+       {controlled(GLFW_KEY_Z, kWithout, {ModelCommand::undo}), controlled(GLFW_KEY_Z, kWith, {ModelCommand::redo}),
+        controlled(GLFW_KEY_Y, kEither, {ModelCommand::redo})}},
+      {all,
+       "Ctrl+S, Ctrl+Shift+S, Ctrl+O",
+       "save;  to another file;  open a file",
+       {controlled(GLFW_KEY_S, kWithout, {ModelCommand::save}),
+        controlled(GLFW_KEY_S, kWith, {BrowseCommand{FileTask::saveAs}}),
+        controlled(GLFW_KEY_O, kEither, {BrowseCommand{FileTask::open}})}},
+      {others, "Backspace", "forces off, and on again", {plain(GLFW_KEY_BACKSPACE, {WindowCommand::switchForces})}},
+      {all,
+       "M,  F",
+       "triangles (marching cubes), or points;  cameras on and off",
+       {plain(GLFW_KEY_M, {switches(&ViewSettings::mesh)}), plain(GLFW_KEY_F, {switches(&ViewSettings::cameras)})}},
+      {others, "D", "measure between two positions", {plain(GLFW_KEY_D, {switches(&ViewSettings::measures)})}},
+      {all,
+       "Ctrl+C",
+       "copy the picked positions, with all their digits",
+       {controlled(GLFW_KEY_C, kEither, {WindowCommand::copyPlaces})}},
+      {all,
+       "K,  .",
+       "pause or continue a depth camera;  next frame",
+       {plain(GLFW_KEY_K, {ModelCommand::pause}), plain(GLFW_KEY_PERIOD, {ModelCommand::step})}},
+      {all, "K,  N", "pause or continue water or sand;  restart it", {plain(GLFW_KEY_N, {ModelCommand::restart})}},
+      {others, "P", "picture of the model to a file", {plain(GLFW_KEY_P, {WindowCommand::screenshot})}},
+      {all, "Ctrl+P", "picture of the model to a file", {controlled(GLFW_KEY_P, kEither, {WindowCommand::screenshot})}},
+      {all,
+       "C,  Tab",
+       "curves, panels on and off",
+       {plain(GLFW_KEY_C, {switches(&ViewSettings::plots)}), plain(GLFW_KEY_TAB, {switches(&ViewSettings::panels)})}},
+      {others,
+       "Esc",
+       "stop reading;  close a list, an error or help;  put the stylus away;  end measuring",
+       {plain(GLFW_KEY_ESCAPE, {closesHelp, WindowCommand::stopReading, StylusCommand::putAway,
+                                WindowCommand::closeErrors, WindowCommand::forgetMeasure})}},
+      {select,
+       "Esc",
+       "give the outline up;  stop reading;  close a list, an error or help",
+       {plain(GLFW_KEY_ESCAPE,
+              {SelectCommand::cancelOutline, closesHelp, WindowCommand::stopReading, WindowCommand::closeErrors})}},
+      {others, "H", "this help", {plain(GLFW_KEY_H, {switches(&ViewSettings::help)})}},
+      {all,
+       "F1,  Q",
+       "this help,  quit",
+       {plain(GLFW_KEY_F1, {switches(&ViewSettings::help)}), {GLFW_KEY_Q, kEither, kEither, {WindowCommand::quit}}}},
+  };
+}
+
+}  // namespace
+
+bool KeyRow::appliesTo(WindowTool tool) const { return std::ranges::find(tools, tool) != tools.end(); }
+
+const std::vector<KeyRow>& keyRows() {
+  static const std::vector<KeyRow> kRows = make();
+  return kRows;
+}
+
+}  // namespace palpate

@@ -1,0 +1,138 @@
+// The part of Panels about selected points.
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "apps/view/panels.hpp"
+#include "engine/core/counted.hpp"
+#include "haptics/session/settings.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::array<std::pair<std::string_view, bool>, 2> kFloodsBy{{{"by normal", false}, {"by colour", true}}};
+constexpr Range kAngles_deg{1, 90};
+
+}  // namespace
+
+void Panels::drawCounts(const SelectionCounts& counts) {
+  const auto line = [](std::uint64_t count, const char* what) {
+    if (count > 0) ImGui::TextUnformatted(fmt::format("{} {}", counted(count, "point"), what).c_str());
+  };
+  line(counts.selected, "selected");
+  line(counts.hidden, "hidden");
+  line(counts.locked, "locked");
+  line(counts.within, "may be changed");
+}
+
+void Panels::drawSelect(const ViewStatus& status, WindowSettings& settings) {
+  constexpr std::array<const char*, 6> kHelp{
+      "R: drag a rectangle",
+      "L: drag around the points",
+      "P: click the corners; Enter or a right click closes it, Backspace takes the last one back",
+      "B: drag a ball along the surface",
+      "O: click a point: selects what is connected with it and alike",
+      "E: click a point: selects all of its class, or of its colour where there are no classes"};
+  SelectSettings& select = settings.select;
+  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  for (std::size_t k = 0; k < kSelectShapes.size(); ++k) {
+    const auto& [name, shape] = kSelectShapes[k];
+    if (k % 3 != 0) ImGui::SameLine();
+    if (chosenButton(name.data(), width, select.shape == shape)) select.shape = shape;
+    help(fmt::format("{}. Shift adds, Ctrl removes, both keep what is in both", kHelp[k]));
+  }
+  if (select.shape == SelectShape::brush) {
+    dragLength("ball", select.brush_mm, 0.1, settingNamed<BrushConfig>("radius_mm").slider, status);
+    help("radius; [ and ] change it");
+  }
+  if (select.shape == SelectShape::flood) choose("flood##by", kFloodsBy, select.floodsByColor);
+  if (select.shape == SelectShape::flood && !select.floodsByColor) {
+    drag("angle", select.angle_deg, 0.2f, kAngles_deg, "%.0f degrees");
+    help("largest angle between the normals of a point and of the clicked one");
+  } else if (select.shape == SelectShape::flood || select.shape == SelectShape::same) {
+    noted("difference", ImGui::DragInt("difference", &select.colorStep, 0.5f, 0, 255));
+    help("of colours: largest difference in red, green and blue, of 255");
+  }
+  if (select.shape != SelectShape::flood && select.shape != SelectShape::same) {
+    checkbox("through", select.through);
+    help("T: also points behind the first surface");
+  }
+  drawSelected(status);
+}
+
+void Panels::drawSelected(const ViewStatus& status) {
+  struct Row {
+    const char* name;
+    SelectCommand command;
+    bool needsSelection;
+    const char* help;
+  };
+  constexpr std::size_t kInRow = 3;
+  static constexpr Row kRows[]{
+      {"All", SelectCommand::all, false, "Ctrl+A"},
+      {"None", SelectCommand::none, true, "Ctrl+Shift+A"},
+      {"Invert", SelectCommand::invert, false, "Ctrl+I"},
+      {"Grow", SelectCommand::grow, true, "+: by one and a half spacings of the points"},
+      {"Shrink", SelectCommand::shrink, true, "-"},
+      {"Connected", SelectCommand::connected, true, "J: everything that is connected with the selected points"},
+      {"Hide", SelectCommand::hide, true, "H"},
+      {"Isolate", SelectCommand::isolate, true, "I: hides all others"},
+      {"Show all", SelectCommand::showAll, false, "Shift+H"},
+      {"Lock", SelectCommand::lock, true, "brushes leave locked points as they are"},
+      {"Unlock all", SelectCommand::unlockAll, false, "no point is locked"},
+      {"Delete", SelectCommand::remove, true, "Delete: removes the selected points"},
+      {"Only here", SelectCommand::within, true, "brushes change only these points"},
+      {"Anywhere", SelectCommand::everywhere, false, "brushes change all points"},
+      {"Colour", SelectCommand::paint, true, "gives them the colour of the brush paint"},
+  };
+  const bool isAny = status.selection.selected > 0;
+  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / kInRow;
+  std::size_t number = 0;
+  for (const Row& row : kRows) {
+    if (number++ % kInRow != 0) ImGui::SameLine();
+    ImGui::BeginDisabled(row.needsSelection && !isAny);
+    post(button(row.name, width), row.command);
+    ImGui::EndDisabled();
+    help(row.help);
+  }
+  ImGui::BeginDisabled(!isAny);
+  if (button("Export...", width)) browse(FileTask::exportSelection, status);
+  help("writes the selected points to a file");
+  ImGui::SameLine();
+  if (button("Separate...", width)) browse(FileTask::separate, status);
+  help("writes them to a file, and removes them here");
+  ImGui::SameLine();
+  const bool isPressed = button("Set value", width);
+  help("gives the selected points the value of the field below");
+  ImGui::PushItemWidth(2 * width);
+  field("field", fieldName_);
+  help("as classification; it is made if the model has no such field");
+  ImGui::PopItemWidth();
+  ImGui::SameLine();
+  ImGui::PushItemWidth(width);
+  const bool isEntered = field("value", fieldValue_);
+  ImGui::PopItemWidth();
+  post((isPressed || isEntered) && fieldValue_[0], SetValue{fieldName_.data(), fieldValue_.data()});
+  ImGui::EndDisabled();
+}
+
+// Over the model: dark and light, so that it is seen on any colour.
+void Panels::drawOutline(const DrawnOutline& outline) {
+  if (outline.corners_px.empty()) return;
+  ImDrawList& list = *ImGui::GetForegroundDrawList();
+  std::vector<ImVec2> corners;
+  for (const DVec2& corner : outline.corners_px)
+    corners.emplace_back(static_cast<float>(corner.x), static_cast<float>(corner.y));
+  const auto radius = static_cast<float>(outline.ball_px);
+  const int count = static_cast<int>(corners.size());
+  if (radius > 0 && count > 1) list.AddPolyline(corners.data(), count, IM_COL32(255, 150, 30, 70), 0, 2 * radius);
+  for (const auto& [color, thick] :
+       {std::pair{IM_COL32(0, 0, 0, 160), em(0.25)}, {IM_COL32(255, 190, 80, 255), em(0.1)}})
+    if (radius > 0)
+      list.AddCircle(corners.back(), radius, color, 0, thick);
+    else
+      list.AddPolyline(corners.data(), count, color, outline.isClosed ? ImDrawFlags_Closed : 0, thick);
+}
+
+}  // namespace palpate

@@ -1,0 +1,213 @@
+#include "apps/view/selection.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include "engine/core/counted.hpp"
+#include "engine/core/error.hpp"
+#include "engine/io/saving.hpp"
+#include "engine/select/surface_select.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kStep = 1.5;   // of grow and shrink, spacings
+constexpr double kReach = 2.5;  // between connected points, spacings
+
+std::span<const PointState> pointsOf(const WindowSession& session) { return session.history().points(); }
+
+PointBits maskOf(const WindowSession& session, MaskRole role) {
+  return {session.attributes().mask(role), pointsOf(session).size()};
+}
+
+void requireSelect(const WindowSession& session) { session.session().require(Action::select, "select"); }
+
+PointBits selectedIn(const WindowSession& session) {
+  requireSelect(session);
+  PointBits selected = maskOf(session, MaskRole::selected) & selectable(session);
+  if (selected.count() == 0) throw Error("no points are selected");
+  return selected;
+}
+
+// Those that may be changed.
+PointBits changeableIn(const WindowSession& session) {
+  PointBits selected = selectedIn(session) - maskOf(session, MaskRole::locked);
+  if (selected.count() == 0) throw Error("all selected points are locked");
+  return selected;
+}
+
+std::string removed(WindowSession& session) {
+  const PointBits selected = changeableIn(session);
+  const std::size_t count = selected.count();
+  if (count == session.history().points().present()) throw Error("all points are selected; a model needs at least one");
+  session.removePoints(selected.set());
+  return fmt::format("{} removed; Ctrl+Z restores them", counted(count, "point"));
+}
+
+template <class T>
+T valueOf(const std::string& name, const std::string& text) {
+  T value{};
+  const char* const end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, value);
+  if (error == std::errc() && last == end) return value;
+  if constexpr (std::is_floating_point_v<T>)
+    throw Error("{}: '{}' is not a number", name, text);
+  else
+    throw Error("{}: '{}' is not a whole number from {} to {}", name, text, +std::numeric_limits<T>::min(),
+                +std::numeric_limits<T>::max());
+}
+
+// As it is, or as fieldNamed() makes it.
+ScalarType typeOf(const WindowSession& session, const std::string& name) {
+  if (const auto number = session.attributes().fieldNamed(name))
+    return session.attributes().fields()[*number].values.type;
+  for (const Attribute& attribute : session.model().cloud.extra)
+    if (attribute.name == name) return attribute.type;
+  constexpr std::string_view kTaken[]{"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha"};
+  const auto isOfName = [](unsigned char c) { return std::isalnum(c) || c == '_'; };
+  if (name.empty() || !std::ranges::all_of(name, isOfName))
+    throw Error("'{}' cannot name a field: use letters, digits and _", name);
+  if (std::ranges::count(kTaken, name)) throw Error("{} is no field that can be set", name);
+  return ScalarType::f32;
+}
+
+}  // namespace
+
+Combine combineBy(bool shift, bool control) {
+  if (control) return shift ? Combine::intersect : Combine::remove;
+  return shift ? Combine::add : Combine::set;
+}
+
+PointBits selectable(const WindowSession& session) {
+  return shownPoints(pointsOf(session), session.attributes().mask(MaskRole::hidden));
+}
+
+void select(WindowSession& session, const PointBits& found, Combine how) {
+  requireSelect(session);
+  const PointBits had = maskOf(session, MaskRole::selected);
+  const PointBits next = how == Combine::set      ? found
+                         : how == Combine::add    ? had | found
+                         : how == Combine::remove ? had - found
+                                                  : had & found;
+  session.setMask(MaskRole::selected, next.set());
+}
+
+std::string carryOut(SelectCommand command, WindowSession& session, const BrushSettings& brush) {
+  const std::span<const PointState> points = pointsOf(session);
+  const double spacing = std::max(session.model().spacing, session.model().wideSpacing);
+  requireSelect(session);
+  switch (command) {
+    case SelectCommand::all:
+      select(session, selectable(session), Combine::set);
+      break;
+    case SelectCommand::none:
+      session.setMask(MaskRole::selected, {});
+      break;
+    case SelectCommand::invert:
+      select(session, selectable(session) - maskOf(session, MaskRole::selected), Combine::set);
+      break;
+    case SelectCommand::grow:
+      select(session, grown(points, selectable(session), selectedIn(session), kStep * spacing), Combine::set);
+      break;
+    case SelectCommand::shrink:
+      select(session, shrunk(points, selectable(session), selectedIn(session), kStep * spacing), Combine::set);
+      break;
+    case SelectCommand::connected:
+      select(session, connectedWith(points, selectable(session), selectedIn(session), kReach * spacing), Combine::set);
+      break;
+    case SelectCommand::hide:
+      session.setMask(MaskRole::hidden, (maskOf(session, MaskRole::hidden) | selectedIn(session)).set());
+      break;
+    case SelectCommand::isolate:
+      session.setMask(MaskRole::hidden, (shownPoints(points, {}) - selectedIn(session)).set());
+      break;
+    case SelectCommand::showAll:
+      session.setMask(MaskRole::hidden, {});
+      break;
+    case SelectCommand::lock:
+      session.setMask(MaskRole::locked, (maskOf(session, MaskRole::locked) | selectedIn(session)).set());
+      break;
+    case SelectCommand::unlockAll:
+      session.setMask(MaskRole::locked, {});
+      break;
+    case SelectCommand::within:
+      session.setMask(MaskRole::within, selectedIn(session).set());
+      break;
+    case SelectCommand::everywhere:
+      session.setMask(MaskRole::within, {});
+      break;
+    case SelectCommand::remove:
+      return removed(session);
+    case SelectCommand::paint: {
+      const auto& [red, green, blue] = brush.color;
+      session.paintPoints(changeableIn(session).set(), packedColor({red, green, blue, 255}));
+      break;
+    }
+    case SelectCommand::closeOutline:
+    case SelectCommand::takeBack:
+    case SelectCommand::cancelOutline:
+    case SelectCommand::holdOutline:
+    case SelectCommand::letOutlineGo:
+      break;
+  }
+  return {};
+}
+
+std::string carryOut(const SetValue& command, WindowSession& session) {
+  const PointSet points = changeableIn(session).set();
+  const std::size_t count = points.count();
+  const ScalarType type = typeOf(session, command.field);
+  std::vector<std::byte> values(count * sizeOf(type));
+  visitScalar(type, [&]<class T>(std::type_identity<T>) {
+    const T value = valueOf<T>(command.field, command.value);
+    for (std::size_t i = 0; i < count; ++i) std::memcpy(values.data() + i * sizeof value, &value, sizeof value);
+  });
+  session.setField(session.fieldNamed(command.field, type), points, std::move(values));
+  return fmt::format("{} of {} is {}", command.field, counted(count, "point"), command.value);
+}
+
+std::string exportSelection(WindowSession& session, const std::string& document, const std::string& file,
+                            bool separates) {
+  std::error_code ignored;
+  for (const std::string& own : {session.file(), document})
+    if (std::filesystem::equivalent(file, own, ignored))
+      throw Error("{} is the file of the open model; choose another one for the selected points", file);
+  cloudFormats().toWrite(file, Written::points);
+  const PointBits selected = separates ? changeableIn(session) : selectedIn(session);
+  std::vector<PointState> points(pointsOf(session).begin(), pointsOf(session).end());
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].gone = !selected.test(i);
+  std::string lost;
+  const std::filesystem::path kept =
+      saveKeeping(file, editedCloud(session.model().cloud, points, session.attributes().fields()),
+                  {.like = session.file(), .notKept = &lost});
+  std::string remark = fmt::format("{} in {}", counted(selected.count(), "selected point"), file);
+  if (!lost.empty()) remark += ": " + lost;
+  if (!kept.empty()) remark += "; the old file is kept as " + kept.string();
+  return separates ? remark + "; " + removed(session) : remark;
+}
+
+const SelectionCounts& CountedSelection::of(const WindowSession& session) {
+  const LayerAttributes& attributes = session.attributes();
+  const auto differs = [&](std::size_t role) { return attributes.mask(static_cast<MaskRole>(role)) != masks_[role]; };
+  bool isOld =
+      std::exchange(session_, &session) != &session || std::exchange(version_, session.edits()) != session.edits();
+  for (std::size_t role = 0; role < kMaskRoles; ++role) isOld |= differs(role);
+  if (!isOld) return counts_;
+  for (std::size_t role = 0; role < kMaskRoles; ++role) masks_[role] = attributes.mask(static_cast<MaskRole>(role));
+  counts_ = {};
+  if (!attributes.hasMasks()) return counts_;
+  const PointBits there = shownPoints(pointsOf(session), {});
+  const auto count = [&](MaskRole role) { return (maskOf(session, role) & there).count(); };
+  counts_ = {.selected = ((maskOf(session, MaskRole::selected) & there) - maskOf(session, MaskRole::hidden)).count(),
+             .hidden = count(MaskRole::hidden),
+             .locked = count(MaskRole::locked),
+             .within = count(MaskRole::within)};
+  return counts_;
+}
+
+}  // namespace palpate

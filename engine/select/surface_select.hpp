@@ -1,0 +1,40 @@
+// Selections by where points are, and by what they look like. Points are given by number, with positions relative to
+// the cloud's origin; lengths are model units. Each builds an index of points by cells, as large as what it searches
+// for.
+#pragma once
+
+#include <optional>
+
+#include "engine/select/point_bits.hpp"
+
+namespace palpate {
+
+/// The nearest one of `among`; nothing if there is none.
+std::optional<std::size_t> nearestPoint(std::span<const PointState> points, const PointBits& among,
+                                        const DVec3& position);
+
+/// Those of `among` nearer than `radius` to one of the positions.
+PointBits pointsInBalls(std::span<const PointState> points, const PointBits& among, std::span<const Vec3> centres,
+                        double radius, unsigned threads = 0);
+
+/// `of`, and those of `among` nearer than `radius` to one of it.
+PointBits grown(std::span<const PointState> points, const PointBits& among, const PointBits& of, double radius,
+                unsigned threads = 0);
+/// Those of `of` that are not nearer than `radius` to one of `among` that is not in it.
+PointBits shrunk(std::span<const PointState> points, const PointBits& among, const PointBits& of, double radius,
+                 unsigned threads = 0);
+
+/// Those of `among` that are reached from `seeds` in steps shorter than `reach` from one to the next.
+PointBits connectedWith(std::span<const PointState> points, const PointBits& among, const PointBits& seeds,
+                        double reach, unsigned threads = 0);
+
+/// Largest differences that count as alike; empty: any.
+struct Likeness {
+  std::optional<double> normal_deg;  ///< angle between the normals; a point without a normal is like none
+  std::optional<int> color;          ///< in red, green and blue each, of 255
+};
+/// Those of `among` that are like that point.
+PointBits pointsLike(std::span<const PointState> points, const PointBits& among, const PointState& point,
+                     const Likeness& likeness, unsigned threads = 0);
+
+}  // namespace palpate

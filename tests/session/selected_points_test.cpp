@@ -1,0 +1,216 @@
+// Points that a command removes or paints are one stroke: undone to the last bit, recorded, replayed and recovered.
+#include <doctest/doctest.h>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "haptics/session/session_replay.hpp"
+#include "tests/content_of.hpp"
+#include "tests/error_of.hpp"
+#include "tests/near.hpp"
+#include "tests/says.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/session/attributed_person.hpp"
+
+namespace palpate::selected_points_test {
+
+using kept_attributes_test::Person;
+
+namespace {
+
+std::vector<PointState> statesOf(const Person& person) {
+  const PointStates& points = person.session.history().points();
+  return {points.begin(), points.end()};
+}
+
+bool areSameToTheBit(const std::vector<PointState>& a, const std::vector<PointState>& b) {
+  return std::ranges::equal(a, b, [](const PointState& x, const PointState& y) { return isSameToTheBit(x, y); });
+}
+
+PointSet some() {
+  PointSet points = PointSet::range(40, 900);
+  points.set(2000);
+  points.set(3999);
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("removed points are one stroke: exactly they are gone, and one undo restores all to the last bit") {
+  const ScratchFolder folder;
+  Person person(folder);
+  person.stroke();
+  const std::vector<PointState> before = statesOf(person);
+  const StrokeCounts counts = person.session.session().strokes();
+  REQUIRE(person.save((folder / "before.ply").string()).failure == "");
+  person.session.removePoints(some());
+  CHECK(person.session.session().strokes().strokes == counts.strokes + 1);
+  CHECK(person.session.isChanged());
+  const std::vector<PointState> after = statesOf(person);
+  REQUIRE(after.size() == before.size());
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    PointState expected = before[i];
+    expected.gone |= some().test(i);
+    wrong += !isSameToTheBit(after[i], expected);
+  }
+  CHECK(wrong == 0);
+  // The back end has what the history has.
+  person.goOn(0.1);
+  CHECK(person.session.session().backend().edits()->progress().dropped == 0);
+  REQUIRE(person.save((folder / "after.ply").string()).failure == "");
+  CHECK(readCloud(folder / "after.ply").cloud.size() == person.session.history().points().present());
+  CHECK(person.session.undo());
+  CHECK(areSameToTheBit(statesOf(person), before));
+  CHECK(person.session.session().strokes().undoCount == counts.undoCount);
+  REQUIRE(person.save((folder / "undone.ply").string()).failure == "");
+  CHECK(contentOf(folder / "undone.ply") == contentOf(folder / "before.ply"));
+  CHECK(person.session.redo());
+  CHECK(areSameToTheBit(statesOf(person), after));
+}
+
+TEST_CASE("painted points change nothing but their colour, and what does not exist stays") {
+  const ScratchFolder folder;
+  Person person(folder);
+  person.session.removePoints(PointSet::range(0, 50));
+  const std::vector<PointState> before = statesOf(person);
+  const std::uint32_t red = packedColor({255, 0, 0, 255});
+  person.session.paintPoints(some(), red);
+  const std::vector<PointState> after = statesOf(person);
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    PointState expected = before[i];
+    if (some().test(i) && i >= 50) expected.color = red;
+    wrong += !isSameToTheBit(after[i], expected);
+  }
+  CHECK(wrong == 0);
+  const std::size_t depth = person.undoCount();
+  person.session.paintPoints(some(), red);                   // they have that colour
+  person.session.removePoints(PointSet::range(0, 50));       // they are gone
+  person.session.removePoints({});                           // none
+  person.session.removePoints(PointSet::range(9000, 9001));  // there is no such point
+  CHECK(person.undoCount() == depth);
+  CHECK(person.session.undo());
+  CHECK(areSameToTheBit(statesOf(person), before));
+}
+
+TEST_CASE("a removal takes back what was undone, and is undone in order with strokes and masks") {
+  const ScratchFolder folder;
+  Person person(folder);
+  std::vector<std::vector<PointState>> states{statesOf(person)};
+  person.stroke();
+  states.push_back(statesOf(person));
+  person.session.removePoints(some());
+  states.push_back(statesOf(person));
+  person.session.setMask(MaskRole::selected, some());
+  person.stroke();
+  states.push_back(statesOf(person));
+  REQUIRE(person.undoCount() == 4);
+  CHECK(person.session.undo());
+  CHECK(areSameToTheBit(statesOf(person), states[2]));
+  CHECK(person.session.undo());
+  CHECK(person.session.attributes().mask(MaskRole::selected).empty());
+  CHECK(person.session.undo());
+  CHECK(areSameToTheBit(statesOf(person), states[1]));
+  person.session.removePoints(PointSet::range(0, 3));
+  CHECK_FALSE(person.session.redo());
+  CHECK(person.session.undo());
+  CHECK(person.session.undo());
+  CHECK(areSameToTheBit(statesOf(person), states[0]));
+  CHECK_FALSE(person.session.isChanged());
+}
+
+TEST_CASE("points that are removed elsewhere leave a hand's force as it is") {
+  const ScratchFolder folder;
+  Person person(folder);
+  person.session.setBrush(std::nullopt);
+  person.session.aim({0, 0, 55});
+  person.goOn(0.2);
+  person.session.aim({0, 0, 48});
+  person.goOn(0.5);
+  const auto force_N = [&] { return glm::length(person.session.recentTicks().rows().back().force_N); };
+  const double before_N = force_N();
+  REQUIRE(before_N > 0.2);
+  PointSet below;
+  for (const PointState& point : statesOf(person))
+    if (point.position.z < -10) below.set(point.number);
+  REQUIRE(below.count() > 1000);
+  person.session.removePoints(below);
+  for (int i = 0; i < 20; ++i) {
+    person.goOn(0.001);
+    CHECK(force_N() == near(before_N, 0.05));
+  }
+  CHECK(person.session.history().points().present() == 4000 - below.count());
+}
+
+TEST_CASE("a replay repeats removed and painted points among strokes, and their undo, bit by bit") {
+  const ScratchFolder folder;
+  const std::string log = (folder / "session.log").string();
+  std::vector<PointState> end;
+  {
+    Person person(folder);
+    person.session.record(log);
+    person.stroke();
+    person.session.removePoints(some());
+    person.goOn(0.05);
+    person.session.paintPoints(PointSet::range(1000, 1100), packedColor({1, 2, 3, 255}));
+    person.stroke();
+    person.session.removePoints(PointSet::range(1500, 1600));
+    person.goOn(0.05);
+    CHECK(person.session.undo());
+    person.goOn(0.05);
+    person.session.endRecording();
+    end = statesOf(person);
+  }
+  std::vector<std::unique_ptr<BackendKind>> kinds;
+  kinds.push_back(cpuBackend());
+  const Backends backends(std::move(kinds));
+  Log silent(true);
+  const PointCloud cloud = sphereModel().cloud;
+  const ReplayParts parts{.backends = backends, .log = silent, .threads = 1, .cloud = &cloud};
+  Recorded recorded = loadRecorded(log, parts);
+  CHECK(areSameToTheBit(recorded.points, end));
+  CHECK(recorded.endsAsRecorded == true);
+  const SessionAgain again = runAgain(recorded, parts);
+  CHECK(areSameToTheBit(again.points, end));
+  const ReplayOutcome outcome = compareRuns(recorded, again, 0);
+  CAPTURE(outcome.comparable.because);
+  CHECK(outcome.isWhole(recorded));
+}
+
+TEST_CASE("a removal that was not saved is recovered, and can be undone") {
+  const ScratchFolder folder;
+  writeCloud(folder / "sphere.ply", sphereModel().cloud, {});
+  std::vector<PointState> stroked, removed;
+  {
+    Person person(folder, {.unsavedIn = folder / "unsaved"});
+    person.stroke();
+    stroked = statesOf(person);
+    person.session.removePoints(some());
+    removed = statesOf(person);
+    person.goOn(0.2);
+  }
+  std::vector<LeftStrokes> left = leftStrokes(folder / "unsaved", [](const std::string&) {});
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].since.made == 2);
+  Person next(folder,
+              {.unsavedIn = folder / "unsaved", .left = std::make_shared<const LeftStrokes>(std::move(left[0]))});
+  CHECK(areSameToTheBit(statesOf(next), removed));
+  CHECK(next.session.isChanged());
+  CHECK(next.undoCount() == 2);
+  CHECK(next.session.undo());
+  CHECK(areSameToTheBit(statesOf(next), stroked));
+  CHECK(next.session.undo());
+}
+
+TEST_CASE("a model that does not keep its points refuses to remove or paint some") {
+  const ScratchFolder folder;
+  SessionConfig config = kept_attributes_test::carving((folder / "sphere.ply").string());
+  config.brush.reset();
+  config.motion = MotionConfig{};
+  const auto cpu = cpuBackend();
+  Session session(config, sphereModel(), {.backend = *cpu, .threads = 1, .keepsPoints = true});
+  CHECK(says(errorOf([&] { session.removePoints(some()); }), "a moving model cannot be sculpted"));
+  CHECK(says(errorOf([&] { session.paintPoints(some(), 1); }), "a moving model cannot be sculpted"));
+}
+
+}  // namespace palpate::selected_points_test
