@@ -19,6 +19,8 @@ namespace {
 constexpr double kStep = 1.5;   // of grow and shrink, spacings
 constexpr double kReach = 2.5;  // between connected points, spacings
 
+constexpr std::string_view kClasses = "classification";
+
 std::span<const PointState> pointsOf(const WindowSession& session) { return session.history().points(); }
 
 PointBits maskOf(const WindowSession& session, MaskRole role) {
@@ -62,7 +64,7 @@ T valueOf(const std::string& name, const std::string& text) {
                 +std::numeric_limits<T>::max());
 }
 
-// As it is, or as fieldNamed() makes it.
+// As it is, or as fieldNamed() makes it; classes as LAS has them, which a file without any lacks.
 ScalarType typeOf(const WindowSession& session, const std::string& name) {
   if (const auto number = session.attributes().fieldNamed(name))
     return session.attributes().fields()[*number].values.type;
@@ -72,8 +74,8 @@ ScalarType typeOf(const WindowSession& session, const std::string& name) {
   const auto isOfName = [](unsigned char c) { return std::isalnum(c) || c == '_'; };
   if (name.empty() || !std::ranges::all_of(name, isOfName))
     throw Error("'{}' cannot name a field: use letters, digits and _", name);
-  if (std::ranges::count(kTaken, name)) throw Error("{} is no field that can be set", name);
-  return ScalarType::f32;
+  if (std::ranges::count(kTaken, name)) throw Error("{} cannot be set as a field", name);
+  return name == kClasses ? ScalarType::u8 : ScalarType::f32;
 }
 
 }  // namespace
