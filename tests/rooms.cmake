@@ -3,9 +3,8 @@ if(NOT WIN32)
   palpate_tests(house LINKS palpate::core)
   # The files of the host's rooms, for the test that they do not include Vulkan.
   set(host_sources "")
-  foreach(room core cloud io motion spatial_host contact_host select edit_host touch_host matter mesh_host render_host
-               haptics
-               session sharing study_host haptics_study)
+  foreach(room core cloud io motion spatial_host contact_host edit_host touch_host matter mesh_host render_host select
+               haptics session sharing study_host haptics_study)
     if(NOT TARGET palpate_${room})
       continue()  # an annex that is not built
     endif()

@@ -18,8 +18,8 @@ inline std::vector<PointState> scattered(std::size_t count, unsigned seed, const
   std::uniform_real_distribution<double> side(-1, 1);
   std::vector<PointState> points;
   for (std::size_t i = 0; i < count; ++i) {
-    const DVec3 position = middle + DVec3(side(random), side(random), side(random));
-    points.push_back(pointAt(position, i, glm::normalize(DVec3(side(random), side(random), side(random) + 0.01))));
+    const DVec3 position = middle + DVec3{side(random), side(random), side(random)};
+    points.push_back(pointAt(position, i, glm::normalize(DVec3{side(random), side(random), side(random) + 0.01})));
     points.back().gone = i % 11 == 5;
     if (i % 13 == 12) points.back().position = points[i - 1].position;
   }

@@ -166,6 +166,8 @@ TEST_CASE("a replay repeats removed and painted points among strokes, and their 
   std::vector<PointState> end;
   {
     Person person(folder);
+    person.session.aim({0, 0, 55});
+    person.goOn(0.3);
     person.session.record(log);
     person.stroke();
     person.session.removePoints(some());
