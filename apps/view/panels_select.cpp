@@ -65,33 +65,34 @@ void Panels::drawSelected(const ViewStatus& status) {
   struct Row {
     const char* name;
     SelectCommand command;
-    bool needsSelection;
+    std::uint64_t SelectionCounts::*needs;  // that many points
     const char* help;
   };
   constexpr std::size_t kInRow = 3;
+  constexpr auto kSelected = &SelectionCounts::selected;
   static constexpr Row kRows[]{
-      {"All", SelectCommand::all, false, "Ctrl+A"},
-      {"None", SelectCommand::none, true, "Ctrl+Shift+A"},
-      {"Invert", SelectCommand::invert, false, "Ctrl+I"},
-      {"Grow", SelectCommand::grow, true, "+: by one and a half spacings of the points"},
-      {"Shrink", SelectCommand::shrink, true, "-"},
-      {"Connected", SelectCommand::connected, true, "J: everything that is connected with the selected points"},
-      {"Hide", SelectCommand::hide, true, "H"},
-      {"Isolate", SelectCommand::isolate, true, "I: hides all others"},
-      {"Show all", SelectCommand::showAll, false, "Shift+H"},
-      {"Lock", SelectCommand::lock, true, "brushes leave locked points as they are"},
-      {"Unlock all", SelectCommand::unlockAll, false, "no point is locked"},
-      {"Delete", SelectCommand::remove, true, "Delete: removes the selected points"},
-      {"Only here", SelectCommand::within, true, "brushes change only these points"},
-      {"Anywhere", SelectCommand::everywhere, false, "brushes change all points"},
-      {"Colour", SelectCommand::paint, true, "gives them the colour of the brush paint"},
+      {"All", SelectCommand::all, nullptr, "Ctrl+A"},
+      {"None", SelectCommand::none, kSelected, "Ctrl+Shift+A"},
+      {"Invert", SelectCommand::invert, nullptr, "Ctrl+I"},
+      {"Grow", SelectCommand::grow, kSelected, "+: by one and a half spacings of the points"},
+      {"Shrink", SelectCommand::shrink, kSelected, "-"},
+      {"Connected", SelectCommand::connected, kSelected, "J: everything that is connected with the selected points"},
+      {"Hide", SelectCommand::hide, kSelected, "H"},
+      {"Isolate", SelectCommand::isolate, kSelected, "I: hides all others"},
+      {"Show all", SelectCommand::showAll, &SelectionCounts::hidden, "Shift+H"},
+      {"Lock", SelectCommand::lock, kSelected, "brushes leave locked points as they are"},
+      {"Unlock all", SelectCommand::unlockAll, &SelectionCounts::locked, "no point is locked"},
+      {"Delete", SelectCommand::remove, kSelected, "Delete: removes the selected points"},
+      {"Only here", SelectCommand::within, kSelected, "brushes change only these points"},
+      {"Anywhere", SelectCommand::everywhere, &SelectionCounts::within, "brushes change all points"},
+      {"Colour", SelectCommand::paint, kSelected, "gives them the colour of the brush paint"},
   };
   const bool isAny = status.selection.selected > 0;
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / kInRow;
   std::size_t number = 0;
   for (const Row& row : kRows) {
     if (number++ % kInRow != 0) ImGui::SameLine();
-    ImGui::BeginDisabled(row.needsSelection && !isAny);
+    ImGui::BeginDisabled(row.needs && status.selection.*row.needs == 0);
     post(button(row.name, width), row.command);
     ImGui::EndDisabled();
     help(row.help);

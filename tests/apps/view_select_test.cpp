@@ -344,6 +344,33 @@ TEST_CASE("selected points are exported and separated with all that the file has
   CHECK(played->state("all.json")["points"] == 2000 - count);
 }
 
+TEST_CASE("locked points are neither removed nor coloured with the others") {
+  if (!hasDisplay()) return;
+  const auto played = playWell(kSphere, sphereOf(2000), "0.1 key s\n" + dragAll(0.2) + R"(
+1.0 click Lock
+1.5 key ctrl+a
+1.7 click Colour
+2.0 save %/coloured.ply
+2.8 key delete
+3.0 state %/removed.json
+3.1 key delete
+3.2 state %/refused.json
+3.3 click Unlock all
+3.6 state %/unlocked.json
+3.7 quit
+)");
+  const Result removed = played->state("removed.json");
+  const int locked = removed["selection"]["locked"];
+  CHECK(locked > 600);
+  CHECK(removed["points"] == locked);
+  const PointCloud coloured = cloudOf(*played, "coloured.ply");
+  REQUIRE(coloured.colors.size() == 2000);
+  const std::array<std::uint8_t, 4> red{220, 40, 40, 255};
+  CHECK(std::ranges::count(coloured.colors, red) == 2000 - locked);
+  CHECK(says(played->state("refused.json")["errors"].dump(), "all selected points are locked"));
+  CHECK(played->state("unlocked.json")["selection"]["locked"] == 0);
+}
+
 TEST_CASE("each tool has its keys: S selects and goes back, V only looks, a number sculpts") {
   if (!hasDisplay()) return;
   const auto played = playWell(kSphere, sphereOf(2000), R"(
