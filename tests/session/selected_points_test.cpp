@@ -62,6 +62,11 @@ TEST_CASE("removed points are one stroke: exactly they are gone, and one undo re
   REQUIRE(person.save((folder / "before.ply").string()).failure == "");
   person.session.removePoints(some());
   CHECK(person.session.session().strokes().strokes == counts.strokes + 1);
+  // Followers count the changes of a back end, whose mark stays, without states of its own.
+  const std::uint64_t count = person.session.session().lastEdits().points.size();
+  CHECK(count == some().count());
+  CHECK(person.session.session().lastEdits().marks ==
+        std::vector<EditMark>{{count, EditMark::Kind::stroke}, {count, EditMark::Kind::change}});
   CHECK(person.session.isChanged());
   const std::vector<PointState> after = statesOf(person);
   REQUIRE(after.size() == before.size());
