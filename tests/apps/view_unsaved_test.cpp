@@ -293,7 +293,7 @@ TEST_CASE("a click or key press shorter than a frame is not lost, in a panel or 
   const auto played =
       playWell("%/sphere.ply --size 480x360 --rate 250 --edit push", sphereOf(2000), std::string(kTwoStrokes) + R"(
 2 state %/before.json
-2.1 tap 160 183
+2.1 tap 160 208
 2.3 state %/tool.json
 2.4 tap d
 2.6 tap 353 160
