@@ -14,7 +14,7 @@
 #include "engine/core/error.hpp"
 #include "engine/core/parallel_collect.hpp"
 #include "engine/core/parallel_radix_sort.hpp"
-#include "engine/select/point_words.hpp"
+#include "engine/select/point_bits.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 
 namespace palpate {
@@ -39,7 +39,7 @@ void forEachKey(BareVector<KeyedPoint>& entries, unsigned bits, unsigned threads
 }
 
 PointSet setOf(const std::vector<std::uint8_t>& truths, unsigned threads) {
-  return pointsThat(truths.size(), threads, [&](std::size_t i) { return truths[i] != 0; });
+  return PointBits::where(truths.size(), threads, [&](std::size_t i) { return truths[i] != 0; }).set();
 }
 
 }  // namespace
@@ -84,20 +84,21 @@ PointSet statisticalOutliers(const PointCloud& cloud, std::uint32_t neighbours, 
   double squares = 0;
   for (const double distance : distances) squares += (distance - mean) * (distance - mean);
   const double farthest = mean + sigma * std::sqrt(squares / (count - 1));
-  return pointsThat(distances.size(), threads, [&](std::size_t i) { return distances[i] > farthest; });
+  return PointBits::where(distances.size(), threads, [&](std::size_t i) { return distances[i] > farthest; }).set();
 }
 
 PointSet radiusOutliers(const PointCloud& cloud, std::uint32_t neighbours, double radius, unsigned threads) {
   PALPATE_CHECK_LT(0.0, radius);
   SortedGrid grid(makeHashGrid(Vec3(0), radius, cloud.size()), threads);
   grid.build(cloud.positions);
-  return pointsThat(cloud.size(), threads, [&](std::size_t i) {
+  const auto isOutlier = [&](std::size_t i) {
     std::size_t found = 0;  // with the point itself
     const auto goesOn = [&](std::size_t) { return found <= neighbours; };
     grid.forEachNearWhile(
         DVec3(cloud.positions[i]), radius, [&](const SortedGrid::Placed&) { ++found; }, goesOn);
     return found <= neighbours;
-  });
+  };
+  return PointBits::where(cloud.size(), threads, isOutlier).set();
 }
 
 PointSet duplicatePoints(const PointCloud& cloud, unsigned threads) {

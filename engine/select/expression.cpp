@@ -8,7 +8,7 @@
 #include "engine/core/bare_vector.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/parallel.hpp"
-#include "engine/select/point_words.hpp"
+#include "engine/select/point_bits.hpp"
 
 namespace palpate {
 
@@ -169,11 +169,11 @@ void overBlocks(const Expression& expression, const CloudFields& fields, auto&& 
 
 PointSet pointsWhere(const Expression& condition, const CloudFields& fields) {
   PALPATE_CHECK(condition.kind == Kind::truth);
-  PointWords words(fields.size());
+  PointBits points(fields.size());
   overBlocks(condition, fields, [&](const BlockMachine& machine, std::size_t begin, std::size_t count) {
-    words.set(begin, {machine.truths(), count});
+    points.put(begin, {machine.truths(), count});
   });
-  return words.points();
+  return points.set();
 }
 
 std::vector<double> valuesOf(const Expression& number, const CloudFields& fields) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -36,6 +38,15 @@ class PointBits {
   std::size_t size() const { return points_; }
   bool test(std::size_t point) const { return (words_[point / kBits] >> point % kBits & 1) != 0; }
   void set(std::size_t point) { words_[point / kBits] |= std::uint64_t{1} << point % kBits; }
+  /// Each of the points from `begin` on, which is a multiple of 64, is in the set if its truth is 1, not 0. Other
+  /// threads may do so with other words.
+  void put(std::size_t begin, std::span<const std::uint8_t> truths) {
+    for (std::size_t i = 0; i < truths.size(); ++i) {
+      std::uint64_t& word = words_[(begin + i) / kBits];
+      if (i % kBits == 0) word = 0;
+      word |= std::uint64_t{truths[i]} << i % kBits;
+    }
+  }
   /// From many threads. Returns whether it was not in the set.
   bool add(std::size_t point) {
     const std::uint64_t bit = std::uint64_t{1} << point % kBits;

@@ -6,6 +6,7 @@
 
 #include "engine/core/counted.hpp"
 #include "engine/edit/history.hpp"
+#include "engine/select/point_bits.hpp"
 #include "haptics/crash_stop.hpp"
 #include "haptics/devices/path_device.hpp"
 #include "haptics/library/failures.hpp"
@@ -320,11 +321,12 @@ const PointStates& OpenSession::maskable(std::size_t bytes, bool edits) {
 }
 
 void OpenSession::setMask(MaskRole role, std::span<const std::uint8_t> mask) {
-  PointSet set;
+  const PointStates& points = maskable(mask.size(), role != MaskRole::selected);
+  PointBits bits(points.size());
   auto in = mask.begin();
-  for (const PointState& state : maskable(mask.size(), role != MaskRole::selected))
-    if (!state.gone && *in++) set.set(state.number);
-  session_->setMask(role, set);
+  for (const PointState& state : points)
+    if (!state.gone && *in++) bits.set(state.number);
+  session_->setMask(role, bits.set());
   if (!isLive()) finish();
 }
 

@@ -2,7 +2,7 @@
 #include "engine/core/named_values.hpp"
 #include "engine/select/chosen_points.hpp"
 #include "engine/select/expression.hpp"
-#include "engine/select/point_words.hpp"
+#include "engine/select/point_bits.hpp"
 #include "engine/select/prepared_cloud.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/objects.hpp"
@@ -62,7 +62,7 @@ pp_status pp_cloud_choose(pp_cloud cloud, const uint8_t* mask, uint64_t count, p
     required(result, "result");
     requireCount(count, found->cloud);
     if (count > 0) required(mask, "mask");
-    const PointSet chosen = pointsThat(count, 0, [&](std::size_t i) { return mask[i] != 0; });
+    const PointSet chosen = PointBits::where(count, 0, [&](std::size_t i) { return mask[i] != 0; }).set();
     *result = opened<pp_cloud>(std::make_shared<CloudObject>(chosenPoints(found->cloud, chosen)));
   });
 }
