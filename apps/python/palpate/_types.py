@@ -7,9 +7,9 @@ from typing import Any, Callable, Literal, TypedDict
 
 Backend = Literal["auto", "vulkan", "cpu"]
 BrushKind = Literal["push", "carve", "inflate", "smooth", "grab", "paint", "flatten"]
-MaskKind = Literal["selected", "hidden", "locked", "within"]
 BuiltinPath = Literal["press", "slide", "scan", "orbit", "stir"]  # in water and sand press and stir, else all but stir
 ColorBy = Literal["rgb", "normal", "depth", "height"]
+MaskKind = Literal["selected", "hidden", "locked", "within"]
 MeshSurface = Literal["sphere", "average", "sharp", "density"]
 SurfaceKind = Literal["average", "sphere", "sharp"]
 ToolKind = Literal["point", "pad", "ball", "spatula"]
