@@ -88,20 +88,13 @@ bool Panels::field(const char* hint, std::array<char, 512>& text) {
   return noted(hint, entered);
 }
 
-template <class Names, class Value>
-bool Panels::choose(const char* label, const Names& names, Value& value) {
-  bool changed = false;
-  const char* now = "";
-  for (const auto& [name, each] : names)
-    if (each == value) now = name.data();
-  if (!ImGui::BeginCombo(label, now)) return noted(label, false);
-  for (const auto& [name, each] : names)
-    if (noted(name, ImGui::Selectable(name.data(), each == value)) && each != value) {
-      value = each;
-      changed = true;
-    }
+bool Panels::chooseWord(const char* label, std::span<const std::string_view> words, std::size_t& chosen) {
+  const std::size_t before = chosen;
+  if (!ImGui::BeginCombo(label, chosen < words.size() ? words[chosen].data() : "")) return noted(label, false);
+  for (std::size_t k = 0; k < words.size(); ++k)
+    if (noted(words[k], ImGui::Selectable(words[k].data(), k == before))) chosen = k;
   ImGui::EndCombo();
-  return changed;
+  return chosen != before;
 }
 
 DVec2 Panels::freeWidth_px(const ViewSettings& view, double width_px) const {

@@ -7,6 +7,8 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include "apps/view/commands.hpp"
 #include "apps/view/file_browser.hpp"
@@ -112,7 +114,18 @@ class Panels {
                   const char* text = "");
   bool drag(const char* name, double& value, float speed, const Range& range, const char* format);
   template <class Names, class Value>
-  bool choose(const char* name, const Names& names, Value& value);
+  bool choose(const char* name, const Names& names, Value& value) {
+    std::vector<std::string_view> words;
+    std::size_t chosen = names.size();
+    for (const auto& [word, each] : names) {
+      if (each == value) chosen = words.size();
+      words.push_back(word);
+    }
+    if (!chooseWord(name, words, chosen)) return false;
+    value = names.begin()[static_cast<std::ptrdiff_t>(chosen)].second;
+    return true;
+  }
+  bool chooseWord(const char* name, std::span<const std::string_view> words, std::size_t& chosen);
   template <class Names, class Value>
   void chooseOrAuto(const char* name, const Names& names, std::optional<Value>& value, std::string_view now);
   bool field(const char* hint, std::array<char, 512>& text);
