@@ -260,7 +260,7 @@ void bindCloud(py::module_& module) {
             return maskOf(cloud, helper("steps")(py::arg("where") = condition).cast<std::string>(), mm_per_unit, up);
           },
           py::arg("condition"), py::arg("mm_per_unit") = 0.0, py::arg("up") = py::none(),
-          "select(condition, mm_per_unit=0, up=None) -> mask\n\n"
+          "select(condition, mm_per_unit=0, up=None) -> array\n\n"
           "(N,) bool: where a condition on fields holds, as 'classification == 2 && z > 3'. Comparisons with NaN do\n"
           "not hold; 64-bit whole numbers are compared exactly. Options and errors as for field().")
       .def(
@@ -272,7 +272,7 @@ void bindCloud(py::module_& module) {
             return py::object(~maskOf(cloud, text.cast<std::string>(), 0, {}));
           },
           py::arg("neighbours") = 8, py::arg("sigma") = 1.0,
-          "outliers(neighbours=8, sigma=1.0) -> mask\n\n"
+          "outliers(neighbours=8, sigma=1.0) -> array\n\n"
           "(N,) bool: points whose mean distance to their nearest neighbours is more than sigma standard deviations\n"
           "above the mean of all. cloud[~cloud.outliers()] is the cloud without them.")
       .def(
@@ -281,7 +281,7 @@ void bindCloud(py::module_& module) {
             return py::object(
                 ~maskOf(cloud, helper("steps")(py::arg("drop_duplicates") = true).cast<std::string>(), 0, {}));
           },
-          "duplicates() -> mask\n\n"
+          "duplicates() -> array\n\n"
           "(N,) bool: points with exactly the coordinates of an earlier one.")
       .def(
           "subsample",

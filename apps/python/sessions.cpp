@@ -26,7 +26,7 @@ constexpr std::array<std::pair<std::string_view, pp_mask>, 4> kMasks{{{"selected
 pp_mask maskNamed(const std::string& name) {
   for (const auto& [known, mask] : kMasks)
     if (name == known) return mask;
-  refuse("unknown mask '" + name + "'; choose selected, hidden, locked or within");
+  refuse("unknown mask '" + name + "'; choose selected, hidden, locked, within");
 }
 
 std::vector<std::uint8_t> maskBytes(const py::array& mask) {

@@ -150,47 +150,44 @@ TEST_CASE(
     "in real time a hand that rests away from all surfaces asks in few ticks, and at once when it moves or must") {
   Device& device = plainDevice();
   const Scene scene = makeScene("sphere", 5'000);
-  TouchOptions options = optionsFor(scene, true);
+  TouchOptions options = optionsFor(scene, false);
   options.brush = BrushOptions{.yieldDepth = 0.3, .pushRate = 0.2, .radius = 8, .resample = false};
   TouchSide touch(device, scene.cloud, options);
   touch.edits()->keep();
   constexpr double kTick_s = 0.001;
   double time_s = 0;
-  // Number of questions in so many ticks.
-  const auto asked = [&](int ticks, const DVec3& hip, double budget_us = 1e6) {
+  // Number of questions in so many ticks, each of which waits for its answer, on a busy machine for long.
+  const auto asked = [&](int ticks, const DVec3& hip, double budget_us = 6e7) {
     const std::uint32_t before = touch.questions();
-    for (int i = 0; i < ticks; ++i) {
-      const Contact contact = touch.query({.time_s = time_s += kTick_s, .hip = hip}, budget_us);
-      REQUIRE(contact.valid);
-      CHECK(contact.touching == (hip.z < 50));
-    }
+    for (int i = 0; i < ticks; ++i) REQUIRE(touch.query({.time_s = time_s += kTick_s, .hip = hip}, budget_us).valid);
     return touch.questions() - before;
   };
-  const DVec3 away(0, 0, 90), beside(0, 1, 90), above(0, 0, 50.5);
+  const DVec3 away(0, 0, 90), beside(0, 1, 90), inside(0, 0, 49);
   asked(300, away);
   const std::uint32_t resting = asked(320, away);
-  CHECK(resting >= 320 / 16 - 1);
+  CHECK(resting >= 1);
   CHECK(resting <= 320 / 16 + 1);
-  CHECK(asked(2, beside) == 2);
-  CHECK(asked(100, beside) == 100);  // it may go on
-  asked(200, beside);
+  CHECK(asked(1, beside) == 1);
+  CHECK(asked(100, beside) > 20);  // it may go on
+  asked(300, beside);
   CHECK(asked(16, beside) <= 2);
   // What others offer is carried out at once.
   PointState to = touch.live().points().front();
   const PointState from = to;
   to.position += Vec3(0, 0, 1);
   REQUIRE(touch.edits()->offer(std::vector<PointChange>{{from, to}}, 0));
-  asked(4, beside);
   EditBatch batch;
-  touch.edits()->take(batch);
+  for (int tick = 0; tick < 12 && batch.points.empty(); ++tick) {
+    asked(1, beside);
+    touch.edits()->take(batch);
+  }
   CHECK(batch.points.size() == 1);
-  asked(100, beside);
-  CHECK(asked(1, above) == 1);
-  CHECK(asked(1, {0, 0, 49}) == 1);
-  CHECK(asked(300, {0, 0, 49}) == 300);
-  asked(2, above);
-  asked(400, away);
+  asked(300, beside);
+  CHECK(asked(1, inside) == 1);
+  CHECK(asked(320, inside) > 320 / 16 + 1);
+  touch.finish();
   CHECK(asked(20, away, 0) == 20);  // in virtual time each pose has its own answer
+  CHECK(asked(400, away, 0) == 400);
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "a question pending ahead does not block finish(), a change or a slow driver") {

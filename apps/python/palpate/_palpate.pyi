@@ -39,7 +39,24 @@ class Cloud:
     def outliers(self, neighbours: int = ..., sigma: float = ...) -> NDArray[np.bool_]: ...
     def duplicates(self) -> NDArray[np.bool_]: ...
     def subsample(self, spacing_mm: float, mm_per_unit: float = ...) -> Cloud: ...
-    def prepared(self, mm_per_unit: float = ..., up: str | None = ..., **settings: Any) -> Cloud: ...
+    def prepared(
+        self,
+        mm_per_unit: float = ...,
+        up: str | None = ...,
+        crop: Sequence[Sequence[float]] | None = ...,
+        crop_outside: Sequence[Sequence[float]] | None = ...,
+        where: str = ...,
+        drop_duplicates: bool = ...,
+        outlier_neighbours: int = ...,
+        outlier_sigma: float = ...,
+        radius_neighbours: int = ...,
+        radius_mm: float = ...,
+        subsample_mm: float = ...,
+        random: int = ...,
+        seed: int = ...,
+        set: Sequence[str] = ...,
+        level: bool = ...,
+    ) -> Cloud: ...
     def attribute(self, name: str) -> NDArray[Any]: ...
     @property
     def xyz(self) -> NDArray[Any]: ...
