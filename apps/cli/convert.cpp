@@ -239,6 +239,9 @@ void convertMany(Context& context, const ConvertOptions& options, const Options&
 void convert(Context& context, const ConvertOptions& options, const Options& command) {
   if (!options.folder.empty()) return convertMany(context, options, command);
   if (options.output.empty()) throw UsageError("output: is required; name a file, or a folder with --to");
+  if (!options.more.empty() && options.more.front().starts_with('-'))
+    throw UsageError("{} follows --, and what follows that are names, not options; put -- behind the options",
+                     options.more.front());
   if (!options.more.empty())
     throw UsageError("{} is a third file; several files are converted into a folder, which --to names",
                      options.more.front());
