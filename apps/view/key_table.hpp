@@ -26,7 +26,7 @@ struct KeyBinding {
   }
 };
 
-/// A row of the help, with its keys; a row of the mouse has none.
+/// A row of the help, with its keys; a row of the mouse is without.
 struct KeyRow {
   std::vector<WindowTool> tools;  ///< with which it applies
   std::string keys, effect;

@@ -28,7 +28,7 @@ PointBits selectable(const WindowSession& session);
 void select(WindowSession& session, const PointBits& found, Combine how);
 /// Carries out what does not concern the outline. Returns a remark for the user, or an empty text.
 std::string carryOut(SelectCommand command, WindowSession& session, const BrushSettings& brush);
-/// The field is made if the model has none of that name. Returns a remark. Throws Error also for a value that the
+/// A field of that name is made if it is missing. Returns a remark. Throws Error also for a value that the
 /// field's type cannot have.
 std::string carryOut(const SetValue& command, WindowSession& session);
 /// Writes the selected points with all that the model has of them, and with `separates` removes them then. Returns a

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <future>
 #include <numeric>
 #include <random>
 
@@ -146,12 +145,7 @@ class Prover {
         values_(Buffer::of<std::uint32_t>(device, kCount, Memory::upload, "proof values")),
         results_(Buffer::of<std::uint32_t>(device, kCount * kWords, Memory::readback, "proof results")),
         counters_(deviceWords(device, kWords * 2, "proof counters")),
-        others_(deviceWords(device, kCount, "proof words")),
-        sort_(std::async(std::launch::async, [this] {
-          double unused_ms = 0;
-          const Translation translation(device_, options_, unused_ms);
-          return RadixSort(device_, kSortBits);
-        })) {}
+        others_(deviceWords(device, kCount, "proof words")) {}
 
   ProvedPrimitive prove(Primitive primitive) {
     ProvedPrimitive proved{.primitive = primitive, .wrong = {}};
@@ -297,7 +291,7 @@ class Prover {
 
   std::string sorted() {
     std::optional<Translation> translation(std::in_place, device_, options_, compile_ms_);
-    const RadixSort sort = sort_.get();
+    const RadixSort sort(device_, kSortBits);
     translation.reset();
     Words keys = randomWords(kSorted, 41), values(kSorted);
     for (std::uint32_t& key : keys) key %= 1u << (kSortBits - 1);
@@ -330,7 +324,6 @@ class Prover {
   const ProofOptions& options_;
   double compile_ms_ = 0;
   Buffer values_, results_, counters_, others_;
-  std::future<RadixSort> sort_;  // its pipelines take a software driver the longest
 };
 
 }  // namespace

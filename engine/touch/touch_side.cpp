@@ -183,8 +183,8 @@ bool TouchSide::isAnsweredWithin(std::span<const Pose> poses, double budget_us) 
   return answerWithin(realtime ? std::max(kPoll_us, budget_us - watch.elapsed_us()) : 0, now_s);
 }
 
-// What moves by itself, and what waits to be done after an answer, needs questions; so does a tool of many points,
-// which may rotate.
+// Moving points, and work that is done after an answer, require questions; so does a tool of many points, which may
+// rotate.
 bool TouchSide::mayRepeat(std::span<const Pose> poses) const {
   const bool isPoint = states_.size() == hands_.size();
   return questions_.state() == QuestionState::ending && isPoint && !frames_.move() && !(edits_ && edits_->hasWork()) &&

@@ -94,7 +94,7 @@ void EditRelay::catchUp() {
   std::erase(options_.followers, nullptr);
 }
 
-// The states before the mark of the change belong to a stroke; the change itself, which followers count, has none.
+// The states before the mark of the change belong to a stroke; the change itself, which followers count, is empty.
 void EditRelay::markStroke() {
   const auto last =
       std::ranges::find(batch_.marks.rbegin(), batch_.marks.rend(), EditMark::Kind::change, &EditMark::kind);

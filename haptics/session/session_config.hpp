@@ -24,7 +24,7 @@
 
 namespace palpate {
 
-/// Source of a model's normals: the file, or estimated if it has none; always estimated from the points; the faces;
+/// Source of a model's normals: the file, else estimated; always estimated from the points; the faces;
 /// those of the file, with signs that agree among neighbours; or those of the file, negated.
 enum class NormalSource { keep, estimate, face, orient, flip };
 inline constexpr std::array<std::pair<std::string_view, NormalSource>, 5> kNormalSources{

@@ -1,4 +1,4 @@
-// Scans are selected and cleaned on the command line: what stays is untouched in every format, and what goes wrong is
+// Scans are selected and cleaned on the command line: points that stay are untouched in every format, and failures are
 // said.
 #include "tests/apps/program.hpp"
 

@@ -206,7 +206,7 @@ TEST_CASE("a hostile expression ends in a sentence") {
   CHECK(complaint(std::string(kMany, '(')).find("more than 200 parentheses and signs are within each other") !=
         std::string::npos);
   CHECK(chosen(fivePoints(), nested(190, "(", ")")) == "00000");
-  // Long ones are no problem.
+  // Long ones are accepted.
   std::string sum = "0";
   for (int i = 0; i < 20'000; ++i) sum += "+x+1";
   CHECK(chosen(fivePoints(), sum + " == 60000") == "00100");
