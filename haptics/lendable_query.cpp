@@ -20,7 +20,7 @@ Contact heldFrom(const Contact& last, const Pose& lastPose, const Pose& pose) {
     Contact held = last;
     held.proxy += pose.hip - lastPose.hip;
     held.fresh = false;
-    held.dataTime_s = lastPose.time_s;
+    held.dataTime_s = dataTime_s(last, lastPose);
     *held.force_N *= share;
     held.torque_mNm *= share;
     return held;
@@ -28,7 +28,7 @@ Contact heldFrom(const Contact& last, const Pose& lastPose, const Pose& pose) {
   if (last.velocity != DVec3(0)) return heldContact(last, lastPose, pose);
   const double share = shareLeft(age_s, kLent_s, kMaxLent_s);
   Contact held = heldPlane(last, lastPose, pose, share);
-  if (share >= 1 && last.valid) held.dataTime_s = pose.time_s;
+  if (share >= 1 && held.dataTime_s == lastPose.time_s) held.dataTime_s = pose.time_s;
   return held;
 }
 

@@ -23,9 +23,16 @@ inline Contact softened(Contact contact, const Pose& pose, double share) {
   return contact;
 }
 
+/// Time of the data of an answer, s; negative: unknown. An answer that was held itself has the time of its own data.
+inline double dataTime_s(const Contact& answer, const Pose& pose) {
+  if (!answer.valid) return -1;
+  return answer.fresh || answer.dataTime_s < 0 ? pose.time_s : answer.dataTime_s;
+}
+
 /// Answer to a pose without an answer of its own, from the last answer: the tangent plane at the last proxy. Not fresh.
 inline Contact heldPlane(const Contact& last, const Pose& lastPose, const Pose& pose) {
-  const Contact free{.proxy = pose.hip, .valid = true, .dataTime_s = last.valid ? lastPose.time_s : -1};
+  const double data_s = dataTime_s(last, lastPose);
+  const Contact free{.proxy = pose.hip, .valid = true, .dataTime_s = data_s};
   if (!last.valid || !last.touching) return free;
   const DVec3 proxy = last.proxy + (pose.time_s - lastPose.time_s) * last.velocity;  // the plane keeps its velocity
   const double depth = glm::dot(proxy - pose.hip, last.normal);
@@ -36,7 +43,7 @@ inline Contact heldPlane(const Contact& last, const Pose& lastPose, const Pose& 
           .valid = true,
           .neighbours = last.neighbours,
           .velocity = last.velocity,
-          .dataTime_s = lastPose.time_s};
+          .dataTime_s = data_s};
 }
 
 /// That plane with a share of its stiffness; with a share of zero nothing is there.

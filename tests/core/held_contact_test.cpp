@@ -35,6 +35,18 @@ TEST_CASE("a late answer is bridged by the tangent plane of the last one and mar
   CHECK(free.dataTime_s == 1);
 }
 
+TEST_CASE(
+    "an answer that is held from a bridged one is as old as the data of that one, for a hand that touches or not") {
+  Contact last = pressed();
+  last.fresh = false;
+  last.dataTime_s = 0.97;
+  CHECK(heldContact(last, kPressed, {.time_s = 1.002, .hip = {0, 0, -2}}).dataTime_s == 0.97);
+  CHECK(heldContact(last, kPressed, {.time_s = 1.002, .hip = {0, 0, 1}}).dataTime_s == 0.97);
+  CHECK(heldContact(last, kPressed, {.time_s = 2, .hip = {0, 0, -2}}).dataTime_s == 0.97);
+  last.valid = false;
+  CHECK(heldContact(last, kPressed, {.time_s = 1.002, .hip = {0, 0, -2}}).dataTime_s < 0);
+}
+
 TEST_CASE("a bridged contact moves with its surface and fades out with its age") {
   Contact last = pressed();
   last.velocity = {0, 0, 100};
