@@ -63,7 +63,7 @@ struct LoggedCommand {
     parameter,  ///< of a simulation; content: name and value
     frames,     ///< of a depth camera; content: play, pause or step
     attribute,  ///< a mask or a field changes; without content: it is the next one of EditMark::Kind::attribute
-    points      ///< points are removed or painted; content: 64-bit words, the colour or kRemoved, and PointSet::words()
+    points      ///< a PointsAction of a set of points; content: bytesIn() it
   };
   std::uint64_t tick = 0;  ///< number of ticks of the log before it
   Kind kind = Kind::back;

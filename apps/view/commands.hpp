@@ -55,6 +55,27 @@ enum class SelectCommand {
   letOutlineGo
 };
 
+/// How points that were found change the selection.
+enum class Combine { set, add, remove, intersect };
+constexpr Combine combineBy(bool shift, bool control) {
+  if (control) return shift ? Combine::intersect : Combine::remove;
+  return shift ? Combine::add : Combine::set;
+}
+/// Selects what is in the box, in the ball, or on the side of the plane.
+struct SelectVolume {
+  Combine how = Combine::set;
+};
+/// Places that volume by numbers, as VolumeTool::set().
+struct SetVolume {
+  std::string numbers;
+};
+/// Turns the plane to its other side.
+struct FlipPlane {};
+/// Numbers of moveSelection().
+struct MoveSelection {
+  std::string way, angles_deg, factor;
+};
+
 /// Answers: about unsaved changes, how to save, memory, and about strokes of an earlier program; `cancel` is of the
 /// first three.
 enum class Answer { saveFirst, discard, cancel, saveBeside, saveOver, readAnyway, goOnWithLeft, discardLeft, keepLeft };
@@ -104,9 +125,10 @@ struct CopyText {
   std::string text;
 };
 
-using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, SelectCommand, Answer, FileCommand,
-                                 BrowseCommand, ModelSide, LookAlong, SetParameter, SetValue, SetTrueLength,
-                                 DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
+using ViewCommand =
+    std::variant<WindowCommand, ModelCommand, StylusCommand, SelectCommand, Answer, FileCommand, BrowseCommand,
+                 ModelSide, LookAlong, SetParameter, SetValue, SelectVolume, SetVolume, FlipPlane, MoveSelection,
+                 SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

@@ -66,6 +66,17 @@ std::vector<KeyBinding> axes() {
   return bindings;
 }
 
+// Close what is drawn, and select with a volume.
+std::vector<KeyBinding> closers() {
+  std::vector<KeyBinding> bindings;
+  for (const int key : {GLFW_KEY_ENTER, GLFW_KEY_KP_ENTER})
+    for (const bool isControl : {kWithout, kWith})
+      for (const bool isShift : {kWithout, kWith})
+        bindings.push_back(
+            {key, isControl, isShift, {SelectCommand::closeOutline, SelectVolume{combineBy(isShift, isControl)}}});
+  return bindings;
+}
+
 std::vector<KeyRow> make() {
   constexpr double kStep = 1.1;
   const Tools sculpt{WindowTool::sculpt}, select{WindowTool::select}, others{WindowTool::sculpt, WindowTool::look},
@@ -107,9 +118,17 @@ std::vector<KeyRow> make() {
        {plain(GLFW_KEY_B, {chooses(SelectShape::brush)}), plain(GLFW_KEY_O, {chooses(SelectShape::flood)}),
         plain(GLFW_KEY_E, {chooses(SelectShape::same)})}},
       {select,
-       "Enter, right click",
-       "close the polygon",
-       {plain(GLFW_KEY_ENTER, {SelectCommand::closeOutline}), plain(GLFW_KEY_KP_ENTER, {SelectCommand::closeOutline})}},
+       "W;  A;  D",
+       "by a box;  a ball;  the side of a plane: click the model, drag the handles, then Enter",
+       {plain(GLFW_KEY_W, {chooses(SelectShape::box)}), plain(GLFW_KEY_A, {chooses(SelectShape::ball)}),
+        plain(GLFW_KEY_D, {chooses(SelectShape::plane)})}},
+      {select,
+       "G",
+       "move, rotate or scale the selected points by handles",
+       {plain(GLFW_KEY_G, {chooses(SelectShape::move)})}},
+      {select, "Enter, right click",
+       "close the polygon;  select what is in the box or ball, or beside the plane (with Shift, Ctrl as above)",
+       closers()},
       {select,
        "Backspace, Alt + click",
        "take the polygon's last corner back",

@@ -143,6 +143,7 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
   drawDistance(status, view);
   drawOutline(status.outline);
+  drawVolume(status.volume);
   if (status.heights) drawHeights(*status.heights, status.unit);
   if (view.panels && view.plots && status.session) drawPlots(status, view);
   view.help ? drawHelp(settings) : drawMessages(status, view, settings.tool);

@@ -48,6 +48,7 @@ struct ViewStatus {
   std::optional<LeftQuestion> leftQuestion;
   SelectionCounts selection;
   DrawnOutline outline;              ///< that selects
+  DrawnVolume volume;                ///< that selects, or moves the selected points
   bool stylus = false;               ///< the mouse holds the stylus
   const HeldDevice* held = nullptr;  ///< the device that the user holds
   std::string gpu;
@@ -146,6 +147,8 @@ class Panels {
   void drawSelected(const ViewStatus& status);
   void drawCounts(const SelectionCounts& counts);
   void drawOutline(const DrawnOutline& outline);
+  void drawVolume(const DrawnVolume& volume);
+  void drawVolumeNumbers(const ViewStatus& status, SelectShape shape);
   bool chosenButton(const char* name, float width, bool isChosen);
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
   void drawDevice(const ViewStatus& status);
@@ -191,7 +194,9 @@ class Panels {
 
   Gui& gui_;
   ViewCommands commands_;  // posted in this frame
-  std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{}, fieldName_{"classification"}, fieldValue_{};
+  std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{}, fieldName_{"classification"}, fieldValue_{},
+      volume_{}, way_{}, angles_{}, factor_{};
+  std::string shownVolume_;  // numbers of the volume when they were last put into volume_
   DeviceState seenDevice_;
   bool paused_ = false;
   std::size_t chosen_ = 0;  // of the answers to a question: the one that Enter gives

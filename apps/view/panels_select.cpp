@@ -2,6 +2,8 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <tuple>
+#include <utility>
 
 #include "apps/view/panels.hpp"
 #include "engine/core/counted.hpp"
@@ -27,20 +29,25 @@ void Panels::drawCounts(const SelectionCounts& counts) {
 }
 
 void Panels::drawSelect(const ViewStatus& status, WindowSettings& settings) {
-  constexpr std::array<const char*, 6> kHelp{
+  constexpr std::array<const char*, kSelectShapes.size()> kHelp{
       "R: drag a rectangle",
       "L: drag around the points",
       "P: click the corners; Enter or a right click closes it, Backspace takes the last one back",
       "B: drag a ball along the surface",
       "O: click a point: selects what is connected with it and alike",
-      "E: click a point: selects all of its class, or of its colour where there are no classes"};
+      "E: click a point: selects all of its class, or of its colour where there are no classes",
+      "W: click the model, or drag from there; drag the handles; Enter selects",
+      "A: click the model, or drag from there; drag the handles; Enter selects",
+      "D: click the model; drag the handles; Enter selects the side of the arrow",
+      "G: moves, rotates and scales the selected points by handles"};
   SelectSettings& select = settings.select;
   const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
   for (std::size_t k = 0; k < kSelectShapes.size(); ++k) {
     const auto& [name, shape] = kSelectShapes[k];
     if (k % 3 != 0) ImGui::SameLine();
     if (chosenButton(name.data(), width, select.shape == shape)) select.shape = shape;
-    help(fmt::format("{}. Shift adds, Ctrl removes, both keep what is in both", kHelp[k]));
+    help(shape == SelectShape::move ? kHelp[k]
+                                    : fmt::format("{}. Shift adds, Ctrl removes, both keep what is in both", kHelp[k]));
   }
   if (select.shape == SelectShape::brush) {
     dragLength("ball", select.brush_mm, 0.1, settingNamed<BrushConfig>("radius_mm").slider, status);
@@ -54,11 +61,49 @@ void Panels::drawSelect(const ViewStatus& status, WindowSettings& settings) {
     noted("difference", ImGui::DragInt("difference", &select.colorStep, 0.5f, 0, 255));
     help("of colours: largest difference in red, green and blue, of 255");
   }
-  if (select.shape != SelectShape::flood && select.shape != SelectShape::same) {
+  if (isVolume(select.shape)) {
+    drawVolumeNumbers(status, select.shape);
+  } else if (select.shape != SelectShape::flood && select.shape != SelectShape::same) {
     checkbox("through", select.through);
     help("T: also points behind the first surface");
   }
   drawSelected(status);
+}
+
+void Panels::drawVolumeNumbers(const ViewStatus& status, SelectShape shape) {
+  if (shape == SelectShape::move) {
+    bool isEntered = false;
+    ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x);
+    for (const auto& [hint, text, what] :
+         {std::tuple{"move by x,y,z", &way_, "in model units"},
+          {"rotate by x,y,z degrees", &angles_, "about the model's axes, in this order, around the middle of the box"},
+          {"scale by a factor", &factor_, "around the middle of the box"}}) {
+      isEntered |= field(hint, *text);
+      help(what);
+    }
+    ImGui::PopItemWidth();
+    if (button("Move") || isEntered) post(true, MoveSelection{way_.data(), angles_.data(), factor_.data()});
+    return;
+  }
+  const DrawnVolume& volume = status.volume;
+  if (std::exchange(shownVolume_, volume.numbers) != volume.numbers) {
+    volume_ = {};
+    std::ranges::copy(volume.numbers.substr(0, volume_.size() - 1), volume_.begin());
+  }
+  ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x);
+  post(field("numbers", volume_), SetVolume{volume_.data()});
+  ImGui::PopItemWidth();
+  help(shape == SelectShape::box    ? "two corners, x,y,z:x,y,z, as of --crop; empty while it is rotated"
+       : shape == SelectShape::ball ? "centre and radius, x,y,z:r"
+                                    : "a position and a direction, x,y,z:x,y,z");
+  ImGui::BeginDisabled(volume.knobs.empty());
+  if (button(shape == SelectShape::plane ? "Select this side" : "Select inside")) post(true, SelectVolume{});
+  help("Enter; Shift+Enter adds, Ctrl+Enter removes, both keep what is in both");
+  if (shape == SelectShape::plane) {
+    ImGui::SameLine();
+    post(button("Other side"), FlipPlane{});
+  }
+  ImGui::EndDisabled();
 }
 
 void Panels::drawSelected(const ViewStatus& status) {
@@ -134,6 +179,35 @@ void Panels::drawOutline(const DrawnOutline& outline) {
       list.AddCircle(corners.back(), radius, color, 0, thick);
     else
       list.AddPolyline(corners.data(), count, color, outline.isClosed ? ImDrawFlags_Closed : 0, thick);
+}
+
+void Panels::drawVolume(const DrawnVolume& volume) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const auto at = [](const DVec2& place) { return ImVec2(static_cast<float>(place.x), static_cast<float>(place.y)); };
+  for (const auto& [color, thick] :
+       {std::pair{IM_COL32(0, 0, 0, 140), em(0.2)}, {IM_COL32(255, 190, 80, 255), em(0.08)}})
+    for (const DrawnVolume::Line& line : volume.lines) list.AddLine(at(line.from_px), at(line.to_px), color, thick);
+  constexpr std::array kAxes{IM_COL32(235, 80, 80, 255), IM_COL32(90, 200, 90, 255), IM_COL32(90, 140, 255, 255)};
+  for (const DrawnVolume::Knob& knob : volume.knobs) {
+    using Kind = VolumeHandle::Kind;
+    const Kind kind = knob.handle.kind;
+    const bool isOfAxis = kind != Kind::centre && kind != Kind::size;
+    const ImU32 color = isOfAxis ? kAxes[static_cast<std::size_t>(knob.handle.axis)] : IM_COL32(255, 255, 255, 255);
+    const float radius = em(knob.isHot ? 0.5 : 0.35);
+    // Rings rotate, discs move, and a square makes larger.
+    if (kind == Kind::ring) {
+      list.AddCircle(at(knob.place_px), radius, IM_COL32(0, 0, 0, 200), 0, em(0.3));
+      list.AddCircle(at(knob.place_px), radius, color, 0, em(0.16));
+    } else if (kind == Kind::size) {
+      const ImVec2 place = at(knob.place_px), low(place.x - radius, place.y - radius),
+                   high(place.x + radius, place.y + radius);
+      list.AddRectFilled(low, high, color);
+      list.AddRect(low, high, IM_COL32(0, 0, 0, 200));
+    } else {
+      list.AddCircleFilled(at(knob.place_px), radius, color);
+      list.AddCircle(at(knob.place_px), radius, IM_COL32(0, 0, 0, 200));
+    }
+  }
 }
 
 }  // namespace palpate

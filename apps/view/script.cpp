@@ -37,6 +37,8 @@ constexpr ScriptEvent kEvents[]{
     {"export", "FILE.ply", "writes the selected points"},
     {"separate", "FILE.ply", "writes the selected points, and removes them"},
     {"value", "FIELD VALUE", "gives the selected points a value of a field"},
+    {"volume", "NUMBERS", "places the box, ball or plane that selects: as typed in the panel"},
+    {"move", "X,Y,Z [A,B,C [FACTOR]]", "moves the selected points, rotates them by degrees about x, y and z, scales"},
     {"record", "[FILE]", "records a session log; without a file: ends it"},
     {"replay", "FILE", "plays a session log"},
     {"impatient", "", "keeps the clock running while a model is loaded or saved"},
@@ -196,6 +198,13 @@ ScriptAction actionOf(Line& line, const std::string& what) {
   if (what == "value") {
     const std::string field = line.word("the field");
     return ViewCommand(SetValue{field, line.word("its value")});
+  }
+  if (what == "volume") return ViewCommand(SetVolume{line.rest("the numbers")});
+  if (what == "move") {
+    MoveSelection move{.way = line.word("the way"), .angles_deg = {}, .factor = {}};
+    if (!line.atEnd()) move.angles_deg = line.word("the angles");
+    if (!line.atEnd()) move.factor = line.word("the factor");
+    return ViewCommand(move);
   }
   if (what == "record" && line.atEnd()) return ViewCommand(ModelCommand::endRecording);
   if (what == "record") return ViewCommand(FileCommand{FileTask::record, line.rest("the file")});

@@ -92,6 +92,7 @@ bool SelectTool::press(MouseButton button, const Keys& keys, const SelectSetting
   }
   if (button != MouseButton::left) return isDrawing();
   at.session->session().require(Action::select, "select");
+  if (isVolume(settings.shape)) return volume_.press(settings.shape, cursor_px_, at);
   if (stage_ == Stage::corners)
     keys.alt ? takeBack() : path_px_.push_back(cursor_px_);
   else if (settings.shape == SelectShape::flood || settings.shape == SelectShape::same)
@@ -111,7 +112,8 @@ void SelectTool::begin(Stage stage, const Keys& keys, const SelectSettings& sett
 
 void SelectTool::moveTo(const DVec2& place_px) {
   const DVec2 way_px = place_px - std::exchange(cursor_px_, place_px);
-  if (!isDrawing()) return;
+  volume_.moveTo(place_px);
+  if (stage_ == Stage::idle) return;
   if (moves_)
     for (DVec2& each : path_px_) each += way_px;
   else if (stage_ == Stage::dragging && shape_ != SelectShape::rectangle &&
@@ -120,7 +122,9 @@ void SelectTool::moveTo(const DVec2& place_px) {
 }
 
 void SelectTool::release(MouseButton button, const SelectSettings& settings, const Pointed& at) {
-  if (stage_ == Stage::dragging && button == MouseButton::left) close(settings, at);
+  if (button != MouseButton::left) return;
+  volume_.release(at);
+  if (stage_ == Stage::dragging) close(settings, at);
 }
 
 void SelectTool::takeBack() {
@@ -132,8 +136,11 @@ void SelectTool::takeBack() {
 void SelectTool::carryOut(SelectCommand command, const SelectSettings& settings, const Pointed& at) {
   if (command == SelectCommand::closeOutline && stage_ == Stage::corners) close(settings, at);
   if (command == SelectCommand::takeBack) takeBack();
-  if (command == SelectCommand::cancelOutline) cancel();
-  if (command == SelectCommand::holdOutline) moves_ = isDrawing();
+  if (command == SelectCommand::cancelOutline) {
+    if (stage_ == Stage::idle) volume_.cancel();
+    stage_ = Stage::idle;
+  }
+  if (command == SelectCommand::holdOutline) moves_ = stage_ != Stage::idle;
   if (command == SelectCommand::letOutlineGo) moves_ = false;
 }
 
@@ -164,16 +171,17 @@ void SelectTool::close(const SelectSettings& settings, const Pointed& at) {
 
 DrawnOutline SelectTool::drawn(const SelectSettings& settings, const Pointed& at) const {
   if (!at.session) return {};
-  const SelectShape shape = isDrawing() ? shape_ : settings.shape;
+  const bool isDrawing = stage_ != Stage::idle;
+  const SelectShape shape = isDrawing ? shape_ : settings.shape;
   if (shape == SelectShape::brush) {
     const double depth = at.picked.depth > 0 ? at.picked.depth : at.viewpoint.targetDistance();
     const double radius = at.session->model().scale.toUnits(settings.brush_mm);
     DrawnOutline drawn{.ball_px = radius * at.viewpoint.camera().focal_px(at.size_px.y) / depth};
-    if (isDrawing()) drawn.corners_px = path_px_;
+    if (isDrawing) drawn.corners_px = path_px_;
     drawn.corners_px.push_back(cursor_px_);
     return drawn;
   }
-  if (!isDrawing()) return {};
+  if (!isDrawing) return {};
   DrawnOutline drawn{.corners_px = corners(), .isClosed = shape != SelectShape::polygon};
   if (shape == SelectShape::polygon && !moves_) drawn.corners_px.push_back(cursor_px_);
   return drawn;

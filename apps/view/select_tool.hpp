@@ -1,8 +1,7 @@
 // The outline that the mouse draws in the picture to select points.
 #pragma once
 
-#include "apps/view/pointing_devices.hpp"
-#include "apps/view/selection.hpp"
+#include "apps/view/volume_tool.hpp"
 
 namespace palpate {
 
@@ -13,7 +12,7 @@ struct DrawnOutline {
   double ball_px = 0;  ///< radius of a brush along the corners; 0: they are an outline
 };
 
-/// Draws outlines and balls, and selects what they show once they are closed.
+/// Draws outlines and balls, and selects what they show once they are closed. Volumes have a tool of their own.
 ///
 ///   stage     press of the left button       release           Enter, right button   Backspace, Alt   Esc
 ///   idle      dragging; corners (polygon);   -                 -                     -                -
@@ -23,7 +22,7 @@ struct DrawnOutline {
 class SelectTool {
  public:
   enum class Stage { idle, dragging, corners };
-  bool isDrawing() const { return stage_ != Stage::idle; }
+  bool isDrawing() const { return stage_ != Stage::idle || volume_.isDragging(); }
 
   struct Keys {
     bool shift = false, control = false, alt = false;
@@ -34,7 +33,11 @@ class SelectTool {
   void release(MouseButton button, const SelectSettings& settings, const Pointed& at);
   /// Commands of the outline; others do nothing.
   void carryOut(SelectCommand command, const SelectSettings& settings, const Pointed& at);
-  void cancel() { stage_ = Stage::idle; }
+  void cancel() {
+    stage_ = Stage::idle;
+    volume_.endDrag();
+  }
+  VolumeTool& volume() { return volume_; }
 
   /// What is drawn now; with a brush, also while it is not drawn, the ball under the cursor.
   DrawnOutline drawn(const SelectSettings& settings, const Pointed& at) const;
@@ -46,6 +49,7 @@ class SelectTool {
   PointBits found(const SelectSettings& settings, const Pointed& at) const;
   std::vector<DVec2> corners() const;
 
+  VolumeTool volume_;
   Stage stage_ = Stage::idle;
   Combine how_ = Combine::set;
   SelectShape shape_ = SelectShape::rectangle;  // of the outline that is drawn

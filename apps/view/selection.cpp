@@ -36,9 +36,9 @@ PointBits selectedIn(const WindowSession& session) {
   return selected;
 }
 
-// Those that may be changed.
 PointBits changeableIn(const WindowSession& session) {
-  PointBits selected = selectedIn(session) - maskOf(session, MaskRole::locked);
+  selectedIn(session);  // throws without any
+  PointBits selected = changeable(session);
   if (selected.count() == 0) throw Error("all selected points are locked");
   return selected;
 }
@@ -47,7 +47,7 @@ std::string removed(WindowSession& session) {
   const PointBits selected = changeableIn(session);
   const std::size_t count = selected.count();
   if (count == session.history().points().present()) throw Error("all points are selected; a model needs at least one");
-  session.removePoints(selected.set());
+  session.changePoints(selected.set(), RemovePoints());
   return fmt::format("{} removed; Ctrl+Z restores them", counted(count, "point"));
 }
 
@@ -80,13 +80,16 @@ ScalarType typeOf(const WindowSession& session, const std::string& name) {
 
 }  // namespace
 
-Combine combineBy(bool shift, bool control) {
-  if (control) return shift ? Combine::intersect : Combine::remove;
-  return shift ? Combine::add : Combine::set;
-}
-
 PointBits selectable(const WindowSession& session) {
   return shownPoints(pointsOf(session), session.attributes().mask(MaskRole::hidden));
+}
+
+PointBits changeable(const WindowSession& session) {
+  return (maskOf(session, MaskRole::selected) & selectable(session)) - maskOf(session, MaskRole::locked);
+}
+
+void moveChangeable(WindowSession& session, const MovePoints& move) {
+  session.changePoints(changeableIn(session).set(), move);
 }
 
 void select(WindowSession& session, const PointBits& found, Combine how) {
@@ -147,7 +150,7 @@ std::string carryOut(SelectCommand command, WindowSession& session, const BrushS
       return removed(session);
     case SelectCommand::paint: {
       const auto& [red, green, blue] = brush.color;
-      session.paintPoints(changeableIn(session).set(), packedColor({red, green, blue, 255}));
+      session.changePoints(changeableIn(session).set(), PaintPoints{packedColor({red, green, blue, 255})});
       break;
     }
     case SelectCommand::closeOutline:

@@ -10,10 +10,6 @@
 
 namespace palpate {
 
-/// How points that were found change the selection.
-enum class Combine { set, add, remove, intersect };
-Combine combineBy(bool shift, bool control);
-
 /// Numbers of existing points.
 struct SelectionCounts {
   std::uint64_t selected = 0;  ///< that are shown
@@ -26,6 +22,10 @@ struct SelectionCounts {
 /// The points that can be selected: those that exist and are not hidden.
 PointBits selectable(const WindowSession& session);
 void select(WindowSession& session, const PointBits& found, Combine how);
+/// The selected points that a command may change; none without a selection.
+PointBits changeable(const WindowSession& session);
+/// Moves those.
+void moveChangeable(WindowSession& session, const MovePoints& move);
 /// Carries out what does not concern the outline. Returns a remark for the user, or an empty text.
 std::string carryOut(SelectCommand command, WindowSession& session, const BrushSettings& brush);
 /// A field of that name is made if it is missing. Returns a remark. Throws Error also for a value that the

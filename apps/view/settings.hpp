@@ -60,15 +60,20 @@ enum class WindowTool : std::uint8_t { sculpt, select, look };
 inline constexpr std::array<std::pair<std::string_view, WindowTool>, 3> kWindowTools{
     {{"sculpting", WindowTool::sculpt}, {"selecting", WindowTool::select}, {"looking", WindowTool::look}}};
 
-/// How points are selected: drawn, or by one that is clicked.
-enum class SelectShape : std::uint8_t { rectangle, lasso, polygon, brush, flood, same };
-inline constexpr std::array<std::pair<std::string_view, SelectShape>, 6> kSelectShapes{
+/// How points are selected: drawn, by one that is clicked, or by a volume in the model; `move` is the box by which the
+/// selected points are moved.
+enum class SelectShape : std::uint8_t { rectangle, lasso, polygon, brush, flood, same, box, ball, plane, move };
+inline constexpr std::array<std::pair<std::string_view, SelectShape>, 10> kSelectShapes{
     {{"rectangle", SelectShape::rectangle},
      {"lasso", SelectShape::lasso},
      {"polygon", SelectShape::polygon},
      {"brush ball", SelectShape::brush},
      {"flood", SelectShape::flood},
-     {"same", SelectShape::same}}};
+     {"same", SelectShape::same},
+     {"box", SelectShape::box},
+     {"ball", SelectShape::ball},
+     {"plane", SelectShape::plane},
+     {"move", SelectShape::move}}};
 struct SelectSettings {
   SelectShape shape = SelectShape::rectangle;
   bool through = false;        ///< also points behind the first surface

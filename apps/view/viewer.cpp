@@ -245,8 +245,21 @@ void Viewer::carryOut(const ViewCommand& command) {
     viewpoint_.lookAlong(look->axis, !look->fromBehind, up, front);
   if (const auto* set = std::get_if<SetParameter>(&command)) session->setParameter(set->name, set->value);
   if (const auto* set = std::get_if<SetValue>(&command)) messages_.say(palpate::carryOut(*set, *session));
+  carryOutVolume(command);
   // Opens the model again at the scale that gives the measure this length.
   if (const auto* length = std::get_if<SetTrueLength>(&command)) document_.openAtScale(measure_.scaleFor(length->text));
+}
+
+void Viewer::carryOutVolume(const ViewCommand& command) {
+  const SelectShape shape = settings_.select.shape;
+  VolumeTool& volume = select_.volume();
+  const auto* select = std::get_if<SelectVolume>(&command);
+  if (select && isVolume(shape)) volume.select(shape, select->how, pointed());
+  const auto* set = std::get_if<SetVolume>(&command);
+  if (set && isVolume(shape)) volume.set(shape, set->numbers, pointed());
+  if (std::holds_alternative<FlipPlane>(command)) volume.flip();
+  if (const auto* move = std::get_if<MoveSelection>(&command))
+    messages_.say(moveSelection(*document_.session(), *move));
 }
 
 void Viewer::carryOut(WindowCommand command) {

@@ -54,6 +54,7 @@ class Viewer {
   void await(const std::string& file);
   void carryOut(const ViewCommands& commands);
   void carryOut(const ViewCommand& command);
+  void carryOutVolume(const ViewCommand& command);
   void carryOut(WindowCommand command);
   void carryOut(const FileCommand& command);
   void carryOut(DeviceCommand command);
@@ -86,6 +87,7 @@ class Viewer {
   std::vector<std::string> notices();
   ViewStatus::ScaleBar scaleOfPicture() const;
   std::optional<DVec2> middleOfMeasure_px() const;
+  DrawnVolume drawnVolume();
   void writeState(const std::string& file);
 
   Window& window_;

@@ -95,6 +95,7 @@ ViewStatus Viewer::status() {
   status.saveFile = document_.saveFile();
   if (settings_.tool == WindowTool::select && !gui_.wantsMouse())
     status.outline = select_.drawn(settings_.select, pointed());
+  status.volume = drawnVolume();
   status.stylus = pointing_.holdsStylus();
   status.held = &held_;
   status.gpu = screen_.sight().name();
@@ -109,12 +110,19 @@ ViewStatus Viewer::status() {
   return status;
 }
 
+DrawnVolume Viewer::drawnVolume() {
+  const SelectShape shape = settings_.select.shape;
+  if (settings_.tool != WindowTool::select || !document_.session() || !isVolume(shape)) return {};
+  return select_.volume().drawn(shape, pointed());
+}
+
 void Viewer::writeState(const std::string& file) {
   const WindowState state{.document = document_,
                           .tool = settings_.tool,
                           .select = settings_.select,
                           .selection = document_.shown() ? selection_.of(*document_.shown()) : SelectionCounts(),
                           .draws = select_.isDrawing(),
+                          .volume = drawnVolume(),
                           .view = settings_.view,
                           .messages = messages_,
                           .notices = notices(),

@@ -127,6 +127,15 @@ constexpr Reported<WindowState> kWindow[]{
     {"selection.brush_mm", "mm", "radius of its brush",
      [](const WindowState& w) -> Value { return w.select.brush_mm; }},
     {"selection.drawn", "", "whether an outline is being drawn", field<&WindowState::draws>},
+    {"selection.volume", "",
+     "numbers of the box, ball or plane, as the panel shows them; empty: none, or a rotated box",
+     [](const WindowState& w) -> Value { return w.volume.numbers; }},
+    {"selection.handles", "px", "positions of its handles",
+     [](const WindowState& w) -> Value {
+       Json places = Json::array();
+       for (const DrawnVolume::Knob& knob : w.volume.knobs) places.push_back({knob.place_px.x, knob.place_px.y});
+       return places;
+     }},
     {"selection.selected", "", "existing points that are selected and shown",
      [](const WindowState& w) -> Value { return w.selection.selected; }},
     {"selection.hidden", "", "existing points that are hidden",

@@ -10,6 +10,7 @@
 #include "apps/view/place_info.hpp"
 #include "apps/view/selection.hpp"
 #include "apps/view/settings.hpp"
+#include "apps/view/volume_tool.hpp"
 #include "engine/render/camera.hpp"
 
 namespace palpate {
@@ -19,7 +20,8 @@ struct WindowState {
   WindowTool tool = WindowTool::sculpt;
   const SelectSettings& select;
   SelectionCounts selection;
-  bool draws = false;  ///< an outline that selects
+  bool draws = false;  ///< an outline that selects, or a volume
+  DrawnVolume volume;
   const ViewSettings& view;
   const Messages& messages;
   std::vector<std::string> notices;

@@ -114,11 +114,8 @@ class InteractiveSession {
   void setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values) {
     if (!failed_) session_.setField(field, points, std::move(values));
   }
-  void removePoints(const PointSet& points) {
-    if (!failed_) session_.removePoints(points);
-  }
-  void paintPoints(const PointSet& points, std::uint32_t color) {
-    if (!failed_) session_.paintPoints(points, color);
+  void changePoints(const PointSet& points, const PointsAction& action) {
+    if (!failed_) session_.changePoints(points, action);
   }
   /// Throws Error also after a failure.
   std::uint32_t fieldNamed(std::string_view name, ScalarType type = ScalarType::f32);

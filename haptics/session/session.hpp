@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/edit/points_action.hpp"
 #include "haptics/servo_loop.hpp"
 #include "haptics/session/abilities.hpp"
 #include "haptics/session/backends.hpp"
@@ -229,10 +230,9 @@ class Session {
   /// Sets values of the field: one for each of the points, ascending, in native byte order. Otherwise as setMask();
   /// throws Error also if a point has no number yet, or values are missing.
   void setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values);
-  /// Removes those of the points that exist, or gives them a colour (packedColor()), as one stroke. Otherwise as
-  /// setMask().
-  void removePoints(const PointSet& points) { setPoints(points, std::nullopt); }
-  void paintPoints(const PointSet& points, std::uint32_t color) { setPoints(points, color); }
+  /// Removes those of the points that exist, paints or moves them, as one stroke. Throws as setMask(), and for an
+  /// action that validate() refuses; then nothing has changed.
+  void changePoints(const PointSet& points, const PointsAction& action);
   /// Makes one of these changes as a log contains it. Throws Error also if it does not fit (LayerAttributes::fits()).
   void change(AttributeChange change);
   /// Repeats a command of a session log.
@@ -320,8 +320,6 @@ class Session {
   std::string textFor(const SessionConfig& config) const;
   const LayerAttributes& attributesFor(Action action, std::string_view what) const;
   void logAttributes(SessionWriter& log, const EditBatch& past);
-  // Without a colour they are removed.
-  void setPoints(const PointSet& points, std::optional<std::uint32_t> color);
   bool settleFar(double timeout_s);
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
 

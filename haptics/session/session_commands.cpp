@@ -22,17 +22,6 @@ std::size_t countIn(const std::string& content) {
   return count;
 }
 
-constexpr std::uint64_t kRemoved = ~std::uint64_t{0};  // in place of a colour
-
-// Of LoggedCommand::Kind::points.
-std::string contentOf(const PointSet& points, std::optional<std::uint32_t> color) {
-  std::vector<std::uint64_t> words = points.words();
-  words.insert(words.begin(), color ? std::uint64_t{*color} : kRemoved);
-  std::string content(words.size() * sizeof words[0], 0);
-  std::memcpy(content.data(), words.data(), content.size());
-  return content;
-}
-
 }  // namespace
 
 // After a fault of a device the back end is sound.
@@ -178,21 +167,25 @@ void Session::setField(std::uint32_t field, const PointSet& points, std::vector<
   });
 }
 
-void Session::setPoints(const PointSet& points, std::optional<std::uint32_t> color) {
-  attributesFor(color ? Action::paint : Action::carve, color ? "paint" : "remove");
+void Session::changePoints(const PointSet& points, const PointsAction& action) {
+  constexpr std::array<std::pair<Action, const char*>, std::variant_size_v<PointsAction>> kActionOf{
+      {{Action::carve, "remove"}, {Action::paint, "paint"}, {Action::sculpt, "move"}}};
+  const auto& [needed, name] = kActionOf[action.index()];
+  attributesFor(needed, name);
+  validate(action);
   between([&] {
     const PointStates& present = history()->points();
     std::vector<PointChange> changes;
     points.forEach([&](std::uint64_t point) {
       const PointState from = present[point];
-      PointState to = from;
-      if (color) to.color = *color;
-      to.gone = !color;
-      if (!from.gone && from != to) changes.push_back({.from = from, .to = to});
+      if (from.gone) return;
+      const PointState to = stateAfter(from, action);
+      if (!isFinite(to.position)) throw Error("{}: point {} would be infinitely far away", name, point);
+      if (from != to) changes.push_back({.from = from, .to = to});
     });
     if (changes.empty()) return;
     relay_.setPoints(changes);
-    channel_.note(LoggedCommand::Kind::points, recording() ? contentOf(points, color) : std::string());
+    channel_.note(LoggedCommand::Kind::points, recording() ? bytesIn(action, points) : std::string());
   });
 }
 
@@ -303,14 +296,8 @@ void Session::repeat(const LoggedCommand& command) {
     case Kind::attribute:
       return;  // change()
     case Kind::points: {
-      std::vector<std::uint64_t> words(command.content.size() / sizeof(std::uint64_t));
-      if (words.empty()) return;
-      std::memcpy(words.data(), command.content.data(), words.size() * sizeof words[0]);
-      std::span<const std::uint64_t> rest = std::span(words).subspan(1);
-      PointSet points;
-      if (!points.read(rest)) return;  // the log is damaged
-      const bool removes = words[0] == kRemoved;
-      return setPoints(points, removes ? std::nullopt : std::optional(static_cast<std::uint32_t>(words[0])));
+      if (const auto read = readPointsAction(command.content)) changePoints(read->second, read->first);
+      return;  // else the log is damaged
     }
   }
 }

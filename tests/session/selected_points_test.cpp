@@ -60,7 +60,7 @@ TEST_CASE("removed points are one stroke: exactly they are gone, and one undo re
   const std::vector<PointState> before = statesOf(person);
   const StrokeCounts counts = person.session.session().strokes();
   REQUIRE(person.save((folder / "before.ply").string()).failure == "");
-  person.session.removePoints(some());
+  person.session.changePoints(some(), RemovePoints());
   CHECK(person.session.session().strokes().strokes == counts.strokes + 1);
   // Followers count the changes of a back end, whose mark stays, without states of its own.
   const std::uint64_t count = person.session.session().lastEdits().points.size();
@@ -94,10 +94,10 @@ TEST_CASE("removed points are one stroke: exactly they are gone, and one undo re
 TEST_CASE("painted points change nothing but their colour, and what does not exist stays") {
   const ScratchFolder folder;
   Person person(folder);
-  person.session.removePoints(PointSet::range(0, 50));
+  person.session.changePoints(PointSet::range(0, 50), RemovePoints());
   const std::vector<PointState> before = statesOf(person);
   const std::uint32_t red = packedColor({255, 0, 0, 255});
-  person.session.paintPoints(some(), red);
+  person.session.changePoints(some(), PaintPoints{red});
   const std::vector<PointState> after = statesOf(person);
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -107,11 +107,55 @@ TEST_CASE("painted points change nothing but their colour, and what does not exi
   }
   CHECK(wrong == 0);
   const std::size_t depth = person.undoCount();
-  person.session.paintPoints(some(), red);                   // they have that colour
-  person.session.removePoints(PointSet::range(0, 50));       // they are gone
-  person.session.removePoints({});                           // none
-  person.session.removePoints(PointSet::range(9000, 9001));  // there is no such point
+  person.session.changePoints(some(), PaintPoints{red});                     // they have that colour
+  person.session.changePoints(PointSet::range(0, 50), RemovePoints());       // they are gone
+  person.session.changePoints({}, RemovePoints());                           // none
+  person.session.changePoints(PointSet::range(9000, 9001), RemovePoints());  // there is no such point
   CHECK(person.undoCount() == depth);
+  CHECK(person.session.undo());
+  CHECK(areSameToTheBit(statesOf(person), before));
+}
+
+TEST_CASE("moved points rotate, scale and shift by the numbers, nothing else moves, and one undo restores them") {
+  const ScratchFolder folder;
+  Person person(folder);
+  const std::vector<PointState> before = statesOf(person);
+  const DVec3 centre(1, -2, 3), way(0.5, 0, -0.25);
+  // A quarter about z, twice as large: exact numbers.
+  const DQuat quarter(std::sqrt(0.5), 0, 0, std::sqrt(0.5));
+  person.session.changePoints(some(), MovePoints::about(centre, quarter, 2, way));
+  const std::vector<PointState> after = statesOf(person);
+  REQUIRE(after.size() == before.size());
+  std::size_t moved = 0, wrong = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (!some().test(i)) {
+      wrong += !isSameToTheBit(after[i], before[i]);
+      continue;
+    }
+    const DVec3 arm = DVec3(before[i].position) - centre;
+    const DVec3 expected = centre + way + 2.0 * DVec3(-arm.y, arm.x, arm.z);
+    const Vec3 n = before[i].normal;
+    wrong += glm::distance(DVec3(after[i].position), expected) > 1e-5;
+    wrong += glm::distance(after[i].normal, Vec3(-n.y, n.x, n.z)) > 1e-6F;
+    wrong += after[i].color != before[i].color || after[i].parent != before[i].parent || after[i].gone;
+    ++moved;
+  }
+  CHECK(wrong == 0);
+  CHECK(moved == some().count());
+  // The hand feels them at their new position.
+  person.goOn(0.1);
+  CHECK(person.session.session().backend().edits()->progress().dropped == 0);
+  const std::size_t depth = person.undoCount();
+  person.session.changePoints(some(), MovePoints());
+  CHECK(person.undoCount() == depth);  // nothing has moved
+  const auto refused = [&](const MovePoints& move) {
+    return errorOf([&] { person.session.changePoints(some(), move); });
+  };
+  CHECK(says(refused({.scale = 0}), "positive"));
+  CHECK(says(refused({.scale = NAN}), "finite"));
+  CHECK(says(refused({.rotation = {0.5, 0, 0, 0}}), "unit"));
+  CHECK(says(refused({.offset = {1e200, 0, 0}}), "infinitely"));
+  CHECK(areSameToTheBit(statesOf(person), after));
   CHECK(person.session.undo());
   CHECK(areSameToTheBit(statesOf(person), before));
 }
@@ -122,7 +166,7 @@ TEST_CASE("a removal takes back what was undone, and is undone in order with str
   std::vector<std::vector<PointState>> states{statesOf(person)};
   person.stroke();
   states.push_back(statesOf(person));
-  person.session.removePoints(some());
+  person.session.changePoints(some(), RemovePoints());
   states.push_back(statesOf(person));
   person.session.setMask(MaskRole::selected, some());
   strokeFromSide(person);
@@ -134,7 +178,7 @@ TEST_CASE("a removal takes back what was undone, and is undone in order with str
   CHECK(person.session.attributes().mask(MaskRole::selected).empty());
   CHECK(person.session.undo());
   CHECK(areSameToTheBit(statesOf(person), states[1]));
-  person.session.removePoints(PointSet::range(0, 3));
+  person.session.changePoints(PointSet::range(0, 3), RemovePoints());
   CHECK_FALSE(person.session.redo());
   CHECK(person.session.undo());
   CHECK(person.session.undo());
@@ -157,7 +201,7 @@ TEST_CASE("points that are removed elsewhere leave a hand's force as it is") {
   for (const PointState& point : statesOf(person))
     if (point.position.z < -10) below.set(point.number);
   REQUIRE(below.count() > 1000);
-  person.session.removePoints(below);
+  person.session.changePoints(below, RemovePoints());
   for (int i = 0; i < 20; ++i) {
     person.goOn(0.001);
     CHECK(force_N() == near(before_N, 0.05));
@@ -175,11 +219,12 @@ TEST_CASE("a replay repeats removed and painted points among strokes, and their 
     person.goOn(0.3);
     person.session.record(log);
     person.stroke();
-    person.session.removePoints(some());
+    person.session.changePoints(some(), RemovePoints());
     person.goOn(0.05);
-    person.session.paintPoints(PointSet::range(1000, 1100), packedColor({1, 2, 3, 255}));
+    person.session.changePoints(PointSet::range(1000, 1100), PaintPoints{packedColor({1, 2, 3, 255})});
     strokeFromSide(person);
-    person.session.removePoints(PointSet::range(1500, 1600));
+    person.session.changePoints(PointSet::range(1500, 1600), RemovePoints());
+    person.session.changePoints(PointSet::range(1200, 1300), MovePoints{.scale = 1.01, .offset = {0, 0, 0.5}});
     person.goOn(0.05);
     CHECK(person.session.undo());
     person.goOn(0.05);
@@ -210,7 +255,7 @@ TEST_CASE("a removal that was not saved is recovered, and can be undone") {
     Person person(folder, {.unsavedIn = folder / "unsaved"});
     person.stroke();
     stroked = statesOf(person);
-    person.session.removePoints(some());
+    person.session.changePoints(some(), RemovePoints());
     removed = statesOf(person);
     person.goOn(0.2);
   }
@@ -234,8 +279,9 @@ TEST_CASE("a model that does not keep its points refuses to remove or paint some
   config.motion = MotionConfig{};
   const auto cpu = cpuBackend();
   Session session(config, sphereModel(), {.backend = *cpu, .threads = 1, .keepsPoints = true});
-  CHECK(says(errorOf([&] { session.removePoints(some()); }), "a moving model cannot be sculpted"));
-  CHECK(says(errorOf([&] { session.paintPoints(some(), 1); }), "a moving model cannot be sculpted"));
+  CHECK(says(errorOf([&] { session.changePoints(some(), RemovePoints()); }), "a moving model cannot be sculpted"));
+  CHECK(says(errorOf([&] { session.changePoints(some(), PaintPoints{1}); }), "a moving model cannot be sculpted"));
+  CHECK(says(errorOf([&] { session.changePoints(some(), MovePoints()); }), "a moving model cannot be sculpted"));
 }
 
 }  // namespace palpate::selected_points_test
