@@ -140,6 +140,7 @@ Session startSession(Context& context, const Model& model, const BenchBackend& o
                  {.backend = context.backends().named(config.backend.name),
                   .threads = context.threads(),
                   .keepsPoints = more.keepsPoints,
+                  .undo = {.bytes = more.undo_bytes},
                   .engine = {.sort = *valueNamed(kSortMethods, options.sort),
                              .spareSlots = options.spareSlots,
                              .wait = valueNamed(kWaits, options.wait)}});

@@ -64,7 +64,8 @@ std::vector<SubjectMaker> subjectsOf(const BenchOptions& options);
 struct BenchSession {
   std::optional<BrushConfig> brush = {};  ///< if the model is edited
   double rate_Hz = SessionConfig{}.rate_Hz;
-  bool keepsPoints = false;  ///< SessionParts
+  bool keepsPoints = false;      ///< SessionParts
+  std::uint64_t undo_bytes = 0;  ///< memory of its history
 };
 /// A session on a model, which must outlive it: a hundred million points are not copied. Ticks are in virtual time
 /// unless the options say otherwise.

@@ -70,11 +70,74 @@ std::vector<Operation> operationsOn(const Model& model, unsigned threads) {
   };
 }
 
-Json benchSelect(Context& context, const BenchOptions& options) {
+/// What a command does with half of the points of a session, in an order in which each changes something.
+struct Change {
+  const char* name;
+  std::function<void(Session&)> run;
+};
+
+std::vector<Change> changesOf(const Model& model) {
+  PointSet half;
+  const double middle = boundsOf(model.cloud).center().z;
+  for (std::size_t i = 0; i < model.cloud.size(); ++i)
+    if (model.cloud.positions[i].z > middle) half.set(i);
+  const auto undo = [](Session& session) { session.undo(1, 0); };
+  const auto mask = [](MaskRole role, const PointSet& points) {
+    return [=](Session& session) { session.setMask(role, points); };
+  };
+  const auto change = [&](const PointsAction& action) {
+    return [=](Session& session) { session.changePoints(half, action); };
+  };
+  return {{"select half", mask(MaskRole::selected, half)},
+          {"select none", mask(MaskRole::selected, {})},
+          {"lock half", mask(MaskRole::locked, half)},
+          {"unlock", mask(MaskRole::locked, {})},
+          {"hide half", mask(MaskRole::hidden, half)},
+          {"show all", mask(MaskRole::hidden, {})},
+          {"remove half", change(RemovePoints())},
+          {"undo of that", undo},
+          {"paint half", change(PaintPoints{packedColor({255, 0, 0, 255})})},
+          {"undo of that", undo},
+          {"move half", change(MovePoints{.offset = {0, 0, 0.1 * model.spacing}})},
+          {"undo of that", undo}};
+}
+
+/// Which ones are measured.
+enum class Measured { all, cloud, session };
+constexpr std::array<std::pair<std::string_view, Measured>, 3> kMeasured{
+    {{"all", Measured::all}, {"cloud", Measured::cloud}, {"session", Measured::session}}};
+
+// Each with a session's points, history and back end.
+void benchChanges(Context& context, const BenchOptions& options, const Subject& subject,
+                  std::vector<SelectRecord>& records) {
+  const std::vector<Change> changes = changesOf(subject.model);
+  for (const std::string& backend : options.backends) {
+    BenchBackend on = options.backend;
+    on.backend = backend;
+    Session session = startSession(context, subject.model, on, {.brush = BrushConfig(), .keepsPoints = true, .undo_bytes = std::uint64_t{8} << 30});
+    std::vector<std::vector<double>> times_ms(changes.size());
+    repeatMeasurement(options, [&](std::int64_t) {
+      for (std::size_t i = 0; i < changes.size(); ++i) {
+        const Stopwatch watch;
+        changes[i].run(session);
+        times_ms[i].push_back(watch.elapsed_us() * 1e-3);
+      }
+    });
+    for (std::size_t i = 0; i < changes.size(); ++i)
+      records.push_back({.model = subject.name,
+                         .operation = fmt::format("{}: {}", backend, changes[i].name),
+                         .points = subject.model.cloud.size(),
+                         .left = session.history()->points().present(),
+                         .time_ms = summarize(std::move(times_ms[i]))});
+  }
+}
+
+Json benchSelect(Context& context, const BenchOptions& options, Measured measured) {
   std::vector<SelectRecord> records;
   for (const SubjectMaker& make : subjectsOf(options)) {
     const Subject subject = make(context);
     for (const Operation& operation : operationsOn(subject.model, context.threads())) {
+      if (measured == Measured::session) break;
       SelectRecord& record = records.emplace_back(
           SelectRecord{.model = subject.name, .operation = operation.name, .points = subject.model.cloud.size()});
       std::vector<double> times_ms;
@@ -85,6 +148,7 @@ Json benchSelect(Context& context, const BenchOptions& options) {
       });
       record.time_ms = summarize(std::move(times_ms));
     }
+    if (measured != Measured::cloud) benchChanges(context, options, subject, records);
   }
   const Json json = arrayBy(kSelect, records);
   printTables(context.tables(), "select", json);
@@ -100,15 +164,21 @@ void listSelectBenchResults(std::vector<ResultFacts>& all) {
 }
 
 void addSelectBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("select", "cost of selecting and cleaning points, on the CPU");
+  Options& sub = bench.addSubcommand("select", "cost of selecting, changing and cleaning points");
   const auto options = std::make_shared<BenchOptions>();
   options->backends = {"cpu"};
+  addBackendsOption(sub, *options, {"cpu", "vulkan"});
   options->repeat = 20;
   addSubjectOptions(sub, *options);
   addRepeatOptions(sub, *options);
-  sub.whenNamed([&, options] {
-    command = [&context, options] {
-      measureAlone(context, *options, "select", [&] { return benchSelect(context, *options); });
+  const auto measured = std::make_shared<std::string>("all");
+  sub.add("--of", *measured, "operations on a cloud, or of a session")
+      .check(oneOf(namesOf(kMeasured)))
+      .showDefault();
+  sub.whenNamed([&, options, measured] {
+    command = [&context, options, measured] {
+      measureAlone(context, *options, "select",
+                   [&] { return benchSelect(context, *options, *valueNamed(kMeasured, *measured)); });
     };
   });
 }
