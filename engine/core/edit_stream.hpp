@@ -57,12 +57,16 @@ class EditStream {
     if (!points.empty()) throw Error("points cannot be locked here");
   }
   /// From now on these points cannot be felt, and all others can. Otherwise as lock(), but take() reports nothing of
-  /// it; what others do to a hidden point it reports. `present`: the state of a point, according to all edits taken so
-  /// far; it is called until no point is hidden.
-  using PresentState = std::function<PointState(std::uint64_t point)>;
-  virtual void hide(const PointSet& points, const PresentState& /*present*/) {
+  /// it; what others do to a hidden point it reports. `present`: the states of all points by number, according to all
+  /// edits taken so far; it is called until no point is hidden.
+  using PresentStates = std::function<std::span<const PointState>()>;
+  virtual void hide(const PointSet& points, const PresentStates& /*present*/) {
     if (!points.empty()) throw Error("points cannot be hidden here");
   }
+  /// From now on the points exist that exist in `states`, by number, but for `without`; all are in these states, after
+  /// all edits were taken. Costs as much as loading them, however many appear or vanish. Otherwise as change(), but
+  /// take() reports nothing of it. False where that cannot be done.
+  virtual bool reload(std::span<const PointState> /*states*/, const PointSet& /*without*/) { return false; }
   /// Offers changes made elsewhere, at most mostOffered(), each point once. They are carried out between later answers,
   /// and no answer waits for them: a point that is not in its change's `from` state is unchanged. They do not end a
   /// stroke. take() reports their result once, with a mark of its own (EditMark::Kind::received). `changesFollowed`:

@@ -57,6 +57,15 @@ void PointSet::change(const PointSet& other, Change&& change) {
   }
 }
 
+std::vector<std::uint64_t> PointSet::bits(std::uint64_t points) const {
+  std::vector<std::uint64_t> words((points + kBits - 1) / kBits);
+  for (const auto& [number, page] : pages_)
+    for (std::uint64_t k = 0; k < kWords && number * kWords + k < words.size(); ++k)
+      words[number * kWords + k] = wordOf(page, k);
+  if (points % kBits != 0) words.back() &= (std::uint64_t{1} << points % kBits) - 1;
+  return words;
+}
+
 void PointSet::flip(const PointSet& other) {
   if (&other == this) return pages_.clear();
   change(other, [](std::uint64_t& own, std::uint64_t word) { own ^= word; });

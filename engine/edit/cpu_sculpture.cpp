@@ -6,6 +6,7 @@
 
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/parallel.hpp"
 #include "engine/edit/normal_refit.hpp"
 #include "engine/edit/spacing_measure.hpp"
 #include "shaders/shared/contact.h"
@@ -182,9 +183,17 @@ void CpuSculpture::set(std::span<const PointChange> changes) {
   receive(changes);
 }
 
-void CpuSculpture::lock(const PointSet& points) {
-  locked_.assign((points.end() + 63) / 64, 0);
-  points.forWords([&](std::uint64_t k, std::uint64_t word) { locked_[k] = word; });
+void CpuSculpture::lock(const PointSet& points) { locked_ = points.bits(points.end()); }
+
+void CpuSculpture::reload(std::span<const PointState> states, const PointSet& without) {
+  constexpr std::size_t kBits = 64;
+  const std::vector<std::uint64_t> left = without.bits(points_.size());
+  set({});
+  parallelFor(points_.size(), static_cast<unsigned>(grid_.threads()), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      points_.there[i] = i < states.size() && !states[i].gone && (left[i / kBits] >> i % kBits & 1) == 0;
+  });
+  grid_.build(points_.positions, points_.there);
 }
 
 void CpuSculpture::followInIndex() {

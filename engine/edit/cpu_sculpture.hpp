@@ -79,6 +79,8 @@ class CpuSculpture {
   void receive(std::span<const PointChange> changes);
   /// From now on brushes leave these points as they are, and no others. While all points are settled.
   void lock(const PointSet& points);
+  /// As EditStream::reload(); afterwards all are settled.
+  void reload(std::span<const PointState> states, const PointSet& without);
 
  private:
   // Work that fits into a tick, and points that it is enough for.

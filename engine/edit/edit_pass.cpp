@@ -47,12 +47,7 @@ void EditPass::lock(const PointSet& points) {
   const bool isFirst = !locked_;
   if (isFirst)
     locked_ = Buffer::of<std::uint32_t>(device_, 2 * (live_.slots() / (2 * kBits) + 1), Memory::device, "locked");
-  std::vector<std::uint32_t> words(locked_->bytes() / sizeof(std::uint32_t));
-  points.forWords([&](std::uint64_t k, std::uint64_t word) {
-    words[2 * k] = static_cast<std::uint32_t>(word);
-    words[2 * k + 1] = static_cast<std::uint32_t>(word >> kBits);
-  });
-  upload(device_, *locked_, words);
+  upload(device_, *locked_, points.bits(kBits * locked_->bytes() / sizeof(std::uint32_t)));
   if (isFirst) uploadTables();
 }
 
@@ -162,6 +157,12 @@ void EditPass::recordGivenRebuild(CommandList& list, const LiveCloud::Half& from
   hash_.recordBuild(list, from, to, live_.slots(), sort);
   update_.recordRecount(list, view(to), to.parity, scratch(from).changed);
   recordSequel(list, view(to), to.parity, scratch(from), false);
+}
+
+void EditPass::recordForgetting(CommandList& list, const LiveCloud::Half& half) const {
+  update_.recordBegin(list);
+  recordForget(list, half);
+  update_.recordEnd(list);
 }
 
 void EditPass::recordCompaction(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,

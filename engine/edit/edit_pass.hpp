@@ -57,6 +57,8 @@ class EditPass {
   void recordGivenIncremental(CommandList& list, const LiveCloud::Half& half, Given given) const;
   void recordGivenRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to, SortMethod sort,
                           Given given) const;
+  /// Drops the requests of the last edit.
+  void recordForgetting(CommandList& list, const LiveCloud::Half& half) const;
   /// Only rebuilds: the points on `from` are stored without gaps on `to`.
   void recordCompaction(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
                         SortMethod sort) const;

@@ -13,9 +13,15 @@ namespace {
 
 std::span<const std::byte> contentOf(const PointStroke& stroke) { return std::as_bytes(std::span(stroke.points)); }
 std::span<const std::byte> contentOf(const ShapeStroke& stroke) { return std::as_bytes(std::span(stroke.places)); }
+std::vector<std::byte> contentOf(const PresenceStroke& stroke) {
+  const std::vector<std::uint64_t> words = stroke.points.words();
+  const auto bytes = std::as_bytes(std::span(words));
+  return {bytes.begin(), bytes.end()};
+}
 std::vector<std::byte> contentOf(const AttributeChange& change) { return bytesIn(change); }
 
 std::uint64_t sizeOfContent(const auto& stroke) { return contentOf(stroke).size(); }
+std::uint64_t sizeOfContent(const PresenceStroke& stroke) { return stroke.points.bytes(); }
 std::uint64_t sizeOfContent(const AttributeChange& change) { return bytesOf(change); }
 
 // What stands before the content of a change in a file. It ends with the program, and so needs no version.
@@ -39,7 +45,8 @@ std::uint64_t bytesOf(const HistoryChange& change) {
 
 std::vector<std::byte> pack(const HistoryChange& change) {
   const auto* const stroke = std::get_if<PointStroke>(&change.what);
-  const Head head{change.what.index(), change.version, stroke ? stroke->received : 0};
+  const auto* const presence = std::get_if<PresenceStroke>(&change.what);
+  const Head head{change.what.index(), change.version, stroke ? stroke->received : presence ? presence->received : 0};
   return std::visit(
       [&](const auto& what) {
         const auto content = contentOf(what);
@@ -61,7 +68,13 @@ bool unpack(std::span<const std::byte> bytes, HistoryChange& change) {
     change.what = PointStroke{itemsIn<PointState>(content), head.received};
   else if (head.kind == 1)
     change.what = ShapeStroke{itemsIn<RestPlace>(content)};
-  else
+  else if (head.kind == 2) {
+    const auto words = itemsIn<std::uint64_t>(content);
+    std::span<const std::uint64_t> left = words;
+    auto& presence = change.what.emplace<PresenceStroke>();
+    presence.received = head.received;
+    return presence.points.read(left) && left.empty();
+  } else
     return readChange(content, change.what.emplace<AttributeChange>());
   return true;
 }
@@ -77,6 +90,7 @@ void History::follow(const EditBatch& batch) {
     const auto states = all.subspan(begin, mark.at - begin);
     switch (mark.kind) {
       case EditMark::Kind::stroke:
+        if (addPresence(states)) break;
         addToStroke(states);
         endStroke();
         break;
@@ -135,6 +149,22 @@ void History::receive(std::span<const PointState> states) {
   }
 }
 
+bool History::addPresence(std::span<const PointState> states) {
+  const auto isFlip = [&](const PointState& state) {
+    PointState was = points_[state.number];
+    was.gone = !was.gone;
+    return points_.knows(state.number) && isSameToTheBit(was, state);
+  };
+  if (inStroke_ || states.empty() || !list_.keepsAny() || !std::ranges::all_of(states, isFlip)) return false;
+  PresenceStroke stroke{.points = PointSet::of(states, [](const PointState& state) { return state.number; }),
+                        .received = received_};
+  if (stroke.points.count() != states.size()) return false;  // some twice: the last state of each counts
+  list_.make({std::move(stroke), version_}, [&](HistoryChange&) { points_.set(states); });
+  version_ = ++lastVersion_;
+  ++strokes_;
+  return true;
+}
+
 void History::addToStroke(std::span<const PointState> states) {
   if (states.empty()) return;
   if (!std::exchange(inStroke_, true)) {
@@ -174,12 +204,33 @@ void History::endStroke() {
   open_ = {};
 }
 
+bool History::isOthers(std::uint64_t point, std::uint64_t received) const {
+  const std::size_t at = points_.indexOf(point);
+  return at < lastReceived_.size() && lastReceived_[at] > received;
+}
+
+bool History::carryOut(PresenceStroke& stroke, const Carriers& carriers) {
+  std::vector<PointChange> changes;
+  changes.reserve(stroke.points.count());
+  stroke.points.forEach([&](std::uint64_t point) {
+    if (isOthers(point, stroke.received)) return;
+    const PointState from = points_[point];
+    changes.push_back({.from = from, .to = from});
+    changes.back().to.gone = !from.gone;
+  });
+  if (!changes.empty() && !carriers.points(changes)) return false;
+  for (const PointChange& change : changes) points_.set(change.to);
+  if (changes.size() < stroke.points.count())
+    stroke.points = PointSet::of(changes, [](const PointChange& change) { return change.to.number; });
+  stroke.received = received_;
+  return true;
+}
+
 bool History::carryOut(PointStroke& stroke, const Carriers& carriers) {
   std::vector<PointChange> changes;
   changes.reserve(stroke.points.size());
   for (const PointState& to : stroke.points) {
-    const std::size_t at = points_.indexOf(to.number);
-    if (at < lastReceived_.size() && lastReceived_[at] > stroke.received) continue;  // others changed it
+    if (isOthers(to.number, stroke.received)) continue;
     changes.push_back({.from = points_[to.number], .to = to});
   }
   if (!changes.empty() && !carriers.points(changes)) return false;
@@ -195,9 +246,11 @@ bool History::carryOut(PointStroke& stroke, const Carriers& carriers) {
 bool History::carryOut(HistoryChange& change, const Carriers& carriers) {
   auto* const stroke = std::get_if<PointStroke>(&change.what);
   auto* const shape = std::get_if<ShapeStroke>(&change.what);
-  const bool done = stroke  ? carryOut(*stroke, carriers)
-                    : shape ? carriers.shape(*shape)
-                            : carriers.attributes(std::get<AttributeChange>(change.what));
+  auto* const presence = std::get_if<PresenceStroke>(&change.what);
+  const bool done = stroke     ? carryOut(*stroke, carriers)
+                    : presence ? carryOut(*presence, carriers)
+                    : shape    ? carriers.shape(*shape)
+                               : carriers.attributes(std::get<AttributeChange>(change.what));
   if (done) std::swap(version_, change.version);
   return done;
 }

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "engine/core/edit_batch.hpp"
+#include "engine/core/point_set.hpp"
 #include "engine/core/shape_strokes.hpp"
 #include "engine/edit/point_states.hpp"
 #include "engine/edit/undo_list.hpp"
@@ -15,9 +16,15 @@ struct PointStroke {
   std::vector<PointState> points;
   std::uint64_t received = 0;  ///< number of received batches when it was made, undone or redone last
 };
+/// Points that a stroke has removed or restored, and changed in nothing else: it is its own undo. Of 25 million points
+/// it takes megabytes, where their states take a gigabyte.
+struct PresenceStroke {
+  PointSet points;
+  std::uint64_t received = 0;  ///< as PointStroke
+};
 /// One entry of a history: a change of one kind, and the version on its other side.
 struct HistoryChange {
-  std::variant<PointStroke, ShapeStroke, AttributeChange> what;
+  std::variant<PointStroke, ShapeStroke, PresenceStroke, AttributeChange> what;
   std::uint64_t version = 0;
 };
 std::uint64_t bytesOf(const HistoryChange& change);
@@ -85,6 +92,8 @@ class History {
  private:
   void receive(std::span<const PointState> states);
   void addToStroke(std::span<const PointState> states);
+  // Whether these states are one whole stroke that removes or restores points; then it is kept.
+  bool addPresence(std::span<const PointState> states);
   void endStroke();
   void keepBefore(std::uint64_t point);
   bool isInStroke(std::uint64_t point) const {
@@ -93,6 +102,8 @@ class History {
   }
   bool carryOut(HistoryChange& change, const Carriers& carriers);
   bool carryOut(PointStroke& stroke, const Carriers& carriers);
+  bool carryOut(PresenceStroke& stroke, const Carriers& carriers);
+  bool isOthers(std::uint64_t point, std::uint64_t received) const;
 
   PointStates points_;
   UndoList<HistoryChange> list_;

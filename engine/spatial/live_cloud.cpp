@@ -44,8 +44,8 @@ LiveCloud::LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spar
   upload(queue ? *queue : latencyQueueOf(device), cloud, halves_[0]);
 }
 
-void LiveCloud::upload(Queue& queue, const PointCloud& cloud, const Half& half) const {
-  PALPATE_CHECK_LE(cloud.size(), std::size_t{slots_});
+template <class IsThere, class Position, class Normal>
+void LiveCloud::upload(Queue& queue, const Half& half, IsThere&& isThere, Position&& position, Normal&& normal) const {
   const auto put = [&](const Buffer& to, auto&& valueOf) {
     uploadMade(device_, queue, to, slots_ * sizeof(Vec4), [&](std::uint64_t offset, std::span<std::byte> piece) {
       const std::size_t first = offset / sizeof(Vec4);
@@ -57,17 +57,35 @@ void LiveCloud::upload(Queue& queue, const PointCloud& cloud, const Half& half) 
       });
     });
   };
-  const std::size_t count = cloud.size(), colors = colored_ ? cloud.colors.size() : 0;
   put(half.positions, [&](std::size_t i) {
-    if (i >= count) return Vec4(0, 0, 0, std::bit_cast<float>(shared::kEmptySlot));
-    return Vec4(cloud.positions[i], std::bit_cast<float>(static_cast<std::uint32_t>(i)));
+    if (!isThere(i)) return Vec4(0, 0, 0, std::bit_cast<float>(shared::kEmptySlot));
+    return Vec4(position(i), std::bit_cast<float>(static_cast<std::uint32_t>(i)));
   });
-  put(half.normals, [&](std::size_t i) {
-    if (i >= count) return Vec4(0);
-    const float color =
-        i < colors ? std::bit_cast<float>(bitsOfColor(cloud.colors[i][0], cloud.colors[i][1], cloud.colors[i][2])) : 0;
-    return Vec4(cloud.normals[i], color);
-  });
+  put(half.normals, [&](std::size_t i) { return isThere(i) ? normal(i) : Vec4(0); });
+}
+
+void LiveCloud::upload(Queue& queue, const PointCloud& cloud, const Half& half) const {
+  PALPATE_CHECK_LE(cloud.size(), std::size_t{slots_});
+  const std::size_t count = cloud.size(), colors = colored_ ? cloud.colors.size() : 0;
+  upload(
+      queue, half, [&](std::size_t i) { return i < count; }, [&](std::size_t i) { return cloud.positions[i]; },
+      [&](std::size_t i) {
+        const auto bits = [&] { return bitsOfColor(cloud.colors[i][0], cloud.colors[i][1], cloud.colors[i][2]); };
+        return Vec4(cloud.normals[i], i < colors ? std::bit_cast<float>(bits()) : 0);
+      });
+}
+
+void LiveCloud::upload(Queue& queue, std::span<const PointState> states, const PointSet& without,
+                       const Half& half) const {
+  PALPATE_CHECK(!colored_);
+  constexpr std::size_t kBits = 64;
+  const std::vector<std::uint64_t> left = without.bits(states.size());
+  const auto isThere = [&](std::size_t i) {
+    return i < states.size() && !states[i].gone && (left[i / kBits] >> i % kBits & 1) == 0;
+  };
+  upload(
+      queue, half, isThere, [&](std::size_t i) { return states[i].position; },
+      [&](std::size_t i) { return Vec4(states[i].normal, 0); });
 }
 
 std::vector<PointState> LiveCloud::points() const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/point_set.hpp"
 #include "engine/core/point_state.hpp"
 #include "engine/gpu/buffer.hpp"
 
@@ -52,8 +53,14 @@ class LiveCloud {
   /// Writes the points of a cloud, at most slots() of them, to memory of slots() slots, in the order of their ids, in
   /// the format of the first half. Waits for `queue`.
   void upload(Queue& queue, const PointCloud& cloud, const Half& half) const;
+  /// The same with the points that exist in `states`, by number, but for `without`.
+  void upload(Queue& queue, std::span<const PointState> states, const PointSet& without, const Half& half) const;
 
  private:
+  // By slot: whether there is a point, its position, and its normal with the bits of a colour.
+  template <class IsThere, class Position, class Normal>
+  void upload(Queue& queue, const Half& half, IsThere&& isThere, Position&& position, Normal&& normal) const;
+
   Device& device_;
   std::uint32_t count_, slots_;
   bool colored_;

@@ -187,4 +187,11 @@ void CpuEdits::change(std::span<const PointChange> changes, double time_s) {
   if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
 }
 
+void CpuEdits::reload(std::span<const PointState> states, const PointSet& without) {
+  sculpture_.reload(states, without);
+  collect();
+  ++changes_;
+  ++version_;
+}
+
 }  // namespace palpate

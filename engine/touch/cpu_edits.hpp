@@ -63,6 +63,8 @@ class CpuEdits {
   /// As EditStream::change(), at `time_s`, while nothing is in progress. Throws Error.
   void change(std::span<const PointChange> changes, double time_s);
 
+  /// As EditStream::reload(), while nothing is in progress.
+  void reload(std::span<const PointState> states, const PointSet& without);
   /// As EditStream::lock(), while nothing is in progress.
   void lock(const PointSet& points) { sculpture_.lock(points); }
 

@@ -301,6 +301,12 @@ void CpuTouch::lock(const PointSet& points) {
   edits_.lock(points);
 }
 
+bool CpuTouch::reload(std::span<const PointState> states, const PointSet& without) {
+  finish();
+  edits_.reload(states, without);
+  return true;
+}
+
 void CpuTouch::finish() {
   if (failure_) std::rethrow_exception(failure_);
   edits_.finish();

@@ -296,6 +296,19 @@ void EditPipeline::change(std::span<const PointChange> changes) {
   changes_ += log_.publishChange(logHead());
 }
 
+void EditPipeline::reload(std::span<const PointState> states, const PointSet& without) {
+  index_.mayBuild(false);
+  const LiveCloud& cloud = index_.cloud();
+  CommandList list(device_, device_.latencyQueue(), "reload");
+  list.begin();
+  pass_.recordForgetting(list, cloud.front());
+  list.end();
+  device_.latencyQueue().run(list);
+  cloud.upload(device_.latencyQueue(), states, without, cloud.front());
+  compact();
+  ++changes_;
+}
+
 // Takes back changes whose entries are not published, and their entries.
 void EditPipeline::revert(std::span<const PointChange> changes) {
   const std::vector<std::uint32_t> head{static_cast<std::uint32_t>(log_.published())};

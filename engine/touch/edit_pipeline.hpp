@@ -71,6 +71,8 @@ class EditPipeline {
   void finish();
   /// As EditStream::change(). Waits.
   void change(std::span<const PointChange> changes);
+  /// As EditStream::reload(). Waits.
+  void reload(std::span<const PointState> states, const PointSet& without);
   /// As EditStream::lock(). While nothing is in progress.
   void lock(const PointSet& points) { pass_.lock(points); }
   /// As TouchBackend::readBack().

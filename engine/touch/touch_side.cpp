@@ -406,6 +406,14 @@ void TouchSide::change(std::span<const PointChange> changes) {
   bridge_->edited(hands_.front().probes.ownPose().time_s);
 }
 
+bool TouchSide::reload(std::span<const PointState> states, const PointSet& without) {
+  if (!edits_) return false;
+  finish();
+  edits_->reload(states, without);
+  bridge_->edited(hands_.front().probes.ownPose().time_s);
+  return true;
+}
+
 void TouchSide::lock(const PointSet& points) {
   if (!edits_) {
     if (points.empty()) return;

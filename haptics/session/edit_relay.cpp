@@ -131,7 +131,7 @@ void EditRelay::exchange(AttributeChange& change, EditMark::Kind kind, bool inBa
 void EditRelay::applyMask(MaskRole role) {
   if (!edits_ || role == MaskRole::selected) return;
   if (role == MaskRole::hidden)
-    edits_->hide(attributes_.mask(role), [this](std::uint64_t point) { return history_->points()[point]; });
+    edits_->hide(attributes_.mask(role), [this]() -> std::span<const PointState> { return history_->points(); });
   else
     edits_->lock(attributes_.locked(history_->points()));
 }

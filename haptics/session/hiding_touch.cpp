@@ -9,6 +9,8 @@ namespace palpate {
 
 namespace {
 
+constexpr double kLarge = 1.0 / 16;  // of the points: from there on a reload is sooner than changes, or as soon
+
 // Inserts states before the mark with that index.
 void insertBefore(EditBatch& batch, std::size_t mark, std::span<const PointState> states) {
   const auto at = static_cast<std::ptrdiff_t>(batch.marks[mark].at);
@@ -34,31 +36,54 @@ void addStates(EditBatch& batch, std::size_t begin, EditMark::Kind kind, std::ve
 
 }  // namespace
 
-void HidingTouch::hide(const PointSet& points, const PresentState& present) {
+// Points that were hidden one by one appear so, since a picture that reads the log knows nothing of a reload.
+void HidingTouch::hide(const PointSet& points, const PresentStates& present) {
   PALPATE_CHECK(changed_.empty() && received_.empty());
   present_ = present;
+  const std::span<const PointState> states = present_();
   PointSet flipped = hidden_;
   flipped.flip(points);
-  std::vector<PointChange> changes;
-  flipped.forEach([&](std::uint64_t point) {
-    PointState state = present_(point), gone = state;
-    if (state.gone) return;
-    gone.gone = true;
-    changes.push_back(points.test(point) ? PointChange{state, gone} : PointChange{gone, state});
-  });
-  PointSet next = points;  // before anything changes: it takes memory
-  if (!changes.empty()) {
-    stream().change(changes);
-    ++hidings_;
-    // Only its own states are left out: a stroke may have ended before it.
-    stream().take(left_);
-    PALPATE_CHECK(!left_.marks.empty() &&
-                  left_.marks.back() == (EditMark{left_.points.size(), EditMark::Kind::change}));
-    left_.points.resize(left_.points.size() - changes.size());
-    left_.marks.pop_back();
-    unreported_ += static_cast<std::int64_t>(changes.size());
+  const bool isLarge = static_cast<double>(flipped.count()) > kLarge * static_cast<double>(states.size());
+  PointSet hidden = points, logged = logged_, appear = logged_;
+  appear.remove(points);
+  logged.remove(appear);
+  if (isLarge) {
+    if (!appear.empty()) flip(appear, states);
+    logged_ = std::move(logged);
+    hidden_.remove(appear);
+    if (stream().reload(states, points)) {
+      ++hidings_;
+      hidden_ = std::move(hidden);
+      return;
+    }
+    flipped.remove(appear);
+    logged = logged_;
   }
-  hidden_ = std::move(next);
+  PointSet vanish = points;
+  vanish.remove(hidden_);
+  logged.add(vanish);
+  flip(flipped, states);
+  logged_ = std::move(logged);
+  hidden_ = std::move(hidden);
+}
+
+void HidingTouch::flip(const PointSet& points, std::span<const PointState> present) {
+  std::vector<PointChange> changes;
+  points.forEach([&](std::uint64_t point) {
+    if (point >= present.size() || present[point].gone) return;
+    PointState state = present[point], gone = state;
+    gone.gone = true;
+    changes.push_back(hidden_.test(point) ? PointChange{gone, state} : PointChange{state, gone});
+  });
+  if (changes.empty()) return;
+  stream().change(changes);
+  ++hidings_;
+  // Only its own states are left out: a stroke may have ended before it.
+  stream().take(left_);
+  PALPATE_CHECK(!left_.marks.empty() && left_.marks.back() == (EditMark{left_.points.size(), EditMark::Kind::change}));
+  left_.points.resize(left_.points.size() - changes.size());
+  left_.marks.pop_back();
+  unreported_ += static_cast<std::int64_t>(changes.size());
 }
 
 std::vector<PointState> HidingTouch::takeHidden(std::vector<PointChange>& changes) const {
@@ -84,7 +109,7 @@ bool HidingTouch::offer(std::span<const PointChange> changes, std::uint64_t chan
   if (!received_.empty()) return false;
   std::vector<PointChange> felt(changes.begin(), changes.end());
   std::erase_if(felt, [&](const PointChange& change) {
-    return hidden_.test(change.to.number) && !(present_(change.to.number) == change.from);
+    return hidden_.test(change.to.number) && !(present_()[change.to.number] == change.from);
   });
   std::vector<PointState> hidden = takeHidden(felt);
   if (!felt.empty() && !stream().offer(felt, changesFollowed + hidings_)) return false;

@@ -28,16 +28,19 @@ class HidingTouch final : public TouchDecorator, private EditStream {
   BlockedMoves blocked() const noexcept override { return stream().blocked(); }
   void change(std::span<const PointChange> changes) override;
   void lock(const PointSet& points) override { stream().lock(points); }
-  void hide(const PointSet& points, const PresentState& present) override;
+  void hide(const PointSet& points, const PresentStates& present) override;
   bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override;
   std::size_t mostOffered() const override { return stream().mostOffered(); }
 
   EditStream& stream() const noexcept { return *inner().edits(); }
+  // Point by point, unnoticed.
+  void flip(const PointSet& points, std::span<const PointState> present);
   // Takes the changes of hidden points out of `changes`, and returns the states that they lead to.
   std::vector<PointState> takeHidden(std::vector<PointChange>& changes) const;
 
   PointSet hidden_;
-  PresentState present_;
+  PointSet logged_;  // those of them that were hidden by changes, which a reader of the log itself has seen
+  PresentStates present_;
   EditBatch left_;                    // that take() has still to report first
   std::vector<PointState> changed_;   // hidden points, with the next mark of a change
   std::vector<PointState> received_;  // and with the next one of an offer

@@ -1,0 +1,96 @@
+// How points are hidden: few by changes, many by a reload, and each appears as it vanished.
+#include "haptics/session/hiding_touch.hpp"
+
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/edit/history.hpp"
+#include "tests/scenes.hpp"
+#include "tests/session/backend_kind.hpp"
+#include "tests/session/session_scene.hpp"
+
+namespace palpate::hiding_touch_test {
+
+namespace {
+
+/// A stream of edits without a back end: what exists in it, and what a reader of its log sees.
+class Points final : public TouchDecorator, private EditStream {
+ public:
+  explicit Points(std::size_t points, bool reloads)
+      : TouchDecorator(nullptr), exists(points, true), seen(points, true), reloads_(reloads) {}
+  EditStream* edits() noexcept override { return this; }
+
+  std::vector<bool> exists, seen;
+  std::size_t changed = 0, reloaded = 0, wrong = 0;
+
+ private:
+  void keep() override {}
+  void take(EditBatch& batch) override {
+    const std::size_t before = batch.points.size();
+    for (const PointState& state : last_) batch.points.push_back(state);
+    if (!last_.empty()) batch.marks.push_back({before + last_.size(), EditMark::Kind::change});
+    last_.clear();
+  }
+  EditProgress progress() const noexcept override { return {}; }
+  void change(std::span<const PointChange> changes) override {
+    for (const PointChange& each : changes) {
+      wrong += exists[each.from.number] == each.from.gone || each.from.gone == each.to.gone;
+      exists[each.to.number] = seen[each.to.number] = !each.to.gone;
+      last_.push_back(each.to);
+    }
+    changed += changes.size();
+  }
+  bool reload(std::span<const PointState> states, const PointSet& without) override {
+    if (!reloads_) return false;
+    for (std::size_t i = 0; i < states.size(); ++i) exists[i] = !states[i].gone && !without.test(i);
+    ++reloaded;
+    return true;
+  }
+  bool offer(std::span<const PointChange>, std::uint64_t) override { return false; }
+  std::size_t mostOffered() const override { return 0; }
+
+  std::vector<PointState> last_;
+  bool reloads_;
+};
+
+}  // namespace
+
+TEST_CASE("whatever is hidden and shown, exactly the shown points exist, and a reader of the log misses none of them") {
+  constexpr std::size_t kCount = 2'000;
+  for (const bool reloads : {true, false}) {
+    auto made = std::make_unique<Points>(kCount, reloads);
+    Points& points = *made;
+    HidingTouch hiding(std::move(made));
+    std::vector<PointState> states;
+    for (std::size_t i = 0; i < kCount; ++i) states.push_back({.gone = i % 17 == 3, .number = i, .parent = i});
+    for (std::size_t i = 0; i < kCount; ++i) points.exists[i] = points.seen[i] = !states[i].gone;
+    std::mt19937 random(7);
+    PointSet hidden;
+    for (int step = 0; step < 60; ++step) {
+      PointSet flip;
+      const std::size_t count = random() % 3 == 0 ? 800 : 20, begin = random() % kCount;
+      for (std::size_t i = begin; i < std::min(kCount, begin + count); ++i) flip.set(i);
+      hidden.flip(flip);
+      if (step % 15 == 14) hidden = {};
+      hiding.edits()->hide(hidden, [&]() -> std::span<const PointState> { return states; });
+      EditBatch batch;
+      hiding.edits()->take(batch);
+      CHECK(batch.empty());
+      std::size_t wrong = 0, missed = 0;
+      for (std::size_t i = 0; i < kCount; ++i) {
+        const bool shown = !states[i].gone && !hidden.test(i);
+        wrong += points.exists[i] != shown;
+        missed += shown && !points.seen[i];
+      }
+      REQUIRE(wrong == 0);
+      REQUIRE(missed == 0);
+    }
+    CHECK(points.wrong == 0);
+    CHECK(points.changed > 100);
+    CHECK((points.reloaded > 10) == reloads);
+  }
+}
+
+}  // namespace palpate::hiding_touch_test
