@@ -114,7 +114,8 @@ void benchChanges(Context& context, const BenchOptions& options, const Subject& 
   for (const std::string& backend : options.backends) {
     BenchBackend on = options.backend;
     on.backend = backend;
-    Session session = startSession(context, subject.model, on, {.brush = BrushConfig(), .keepsPoints = true, .undo_bytes = std::uint64_t{8} << 30});
+    Session session = startSession(context, subject.model, on,
+                                   {.brush = BrushConfig(), .keepsPoints = true, .undo_bytes = std::uint64_t{8} << 30});
     std::vector<std::vector<double>> times_ms(changes.size());
     repeatMeasurement(options, [&](std::int64_t) {
       for (std::size_t i = 0; i < changes.size(); ++i) {
@@ -172,9 +173,7 @@ void addSelectBench(Options& bench, Context& context, Command& command) {
   addSubjectOptions(sub, *options);
   addRepeatOptions(sub, *options);
   const auto measured = std::make_shared<std::string>("all");
-  sub.add("--of", *measured, "operations on a cloud, or of a session")
-      .check(oneOf(namesOf(kMeasured)))
-      .showDefault();
+  sub.add("--of", *measured, "operations on a cloud, or of a session").check(oneOf(namesOf(kMeasured))).showDefault();
   sub.whenNamed([&, options, measured] {
     command = [&context, options, measured] {
       measureAlone(context, *options, "select",

@@ -93,6 +93,28 @@ void bindTouch(py::class_<PySession>& session) {
           "\"within\" (if there are any, brushes change no others). undo() undoes it as a stroke. The first mask\n"
           "of a session is set before it is live.")
       .def(
+          "remove_points",
+          [](PySession& self, const py::array& mask) {
+            const std::vector<std::uint8_t> bytes = maskBytes(mask);
+            self.with([&](pp::Session& open) { open.removePoints(bytes); });
+          },
+          py::arg("mask"),
+          "remove_points(mask)\n\n"
+          "Removes points, as one stroke that undo() undoes: a bool for each point of cloud(), as for set_mask().")
+      .def(
+          "move_points",
+          [](PySession& self, const py::array& mask, const std::array<double, 3>& offset,
+             const std::array<double, 4>& rotation, double scale) {
+            const std::vector<std::uint8_t> bytes = maskBytes(mask);
+            self.with([&](pp::Session& open) { open.movePoints(bytes, offset, rotation, scale); });
+          },
+          py::arg("mask"), py::arg("offset") = std::array<double, 3>{},
+          py::arg("rotation") = std::array<double, 4>{1, 0, 0, 0}, py::arg("scale") = 1.0,
+          "move_points(mask, offset=(0, 0, 0), rotation=(1, 0, 0, 0), scale=1)\n\n"
+          "Moves points, as one stroke that undo() undoes: to offset + scale * (rotation * position), in model\n"
+          "units and the coordinates of cloud(); normals rotate. mask: as for set_mask(); rotation: a unit\n"
+          "quaternion w, x, y, z; scale: positive.")
+      .def(
           "mask",
           [](PySession& self, const std::string& which) {
             const pp_mask role = maskNamed(which);

@@ -52,9 +52,9 @@ void validate(const PointsAction& action) {
   const auto* const move = std::get_if<MovePoints>(&action);
   if (!move) return;
   for (const double number : numbersOf(*move))
-    if (!std::isfinite(number)) throw Error("points cannot be moved by numbers that are not finite");
-  if (!isTurn(move->rotation)) throw Error("points can only be rotated by a unit quaternion");
-  if (!(move->scale > 0)) throw Error("points can only be scaled by a positive factor, not by {}", move->scale);
+    if (!std::isfinite(number)) throw UsageError("points cannot be moved by numbers that are not finite");
+  if (!isTurn(move->rotation)) throw UsageError("points can only be rotated by a unit quaternion");
+  if (!(move->scale > 0)) throw UsageError("points can only be scaled by a positive factor, not by {}", move->scale);
 }
 
 std::string bytesIn(const PointsAction& action, const PointSet& points) {

@@ -32,7 +32,7 @@ using PointsAction = std::variant<RemovePoints, PaintPoints, MovePoints>;
 
 /// The state of an existing point after the action.
 PointState stateAfter(const PointState& state, const PointsAction& action);
-/// Throws Error for a rotation that is not unit, a scale that is not positive, and numbers that are not finite.
+/// Throws UsageError for a rotation that is not unit, a scale that is not positive, and numbers that are not finite.
 void validate(const PointsAction& action);
 
 /// To bytes for a log, and back; nothing if they are not those of an action.

@@ -320,13 +320,28 @@ const PointStates& OpenSession::maskable(std::size_t bytes, bool edits) {
   return points;
 }
 
-void OpenSession::setMask(MaskRole role, std::span<const std::uint8_t> mask) {
-  const PointStates& points = maskable(mask.size(), role != MaskRole::selected);
+PointSet OpenSession::pointsOf(std::span<const std::uint8_t> mask, bool edits) {
+  const PointStates& points = maskable(mask.size(), edits);
   PointBits bits(points.size());
   auto in = mask.begin();
   for (const PointState& state : points)
     if (!state.gone && *in++) bits.set(state.number);
-  session_->setMask(role, bits.set());
+  return bits.set();
+}
+
+void OpenSession::setMask(MaskRole role, std::span<const std::uint8_t> mask) {
+  const PointSet points = pointsOf(mask, role != MaskRole::selected);
+  session_->setMask(role, points);
+  if (!isLive()) finish();
+}
+
+void OpenSession::changePoints(std::span<const std::uint8_t> mask, PointsAction action) {
+  const PointSet points = pointsOf(mask, true);
+  if (auto* const move = std::get_if<MovePoints>(&action)) {
+    const DVec3& origin = session_->model().cloud.origin;
+    move->offset = (*move)(origin)-origin;
+  }
+  session_->changePoints(points, action);
   if (!isLive()) finish();
 }
 

@@ -65,6 +65,9 @@ class OpenSession {
   /// StateError.
   void setMask(MaskRole role, std::span<const std::uint8_t> mask);
   void copyMask(MaskRole role, std::span<std::uint8_t> mask);
+  /// Removes, paints or moves the points of such a mask; a movement is in coordinates of the file. Throws UsageError,
+  /// StateError.
+  void changePoints(std::span<const std::uint8_t> mask, PointsAction action);
   /// Throws NetworkError, which names `what`, if the server of a joined session has not confirmed it; not while live.
   void requireDelivered(std::string_view what) const {
     if (joined_ && !isLive()) joined_->requireDelivered(*session_, what);
@@ -159,6 +162,7 @@ class OpenSession {
   double timeLeft_s() const;
   // The points as a mask of that many bytes names them, once the session follows them.
   const PointStates& maskable(std::size_t bytes, bool edits);
+  PointSet pointsOf(std::span<const std::uint8_t> mask, bool edits);
   void setBrushBetween(const std::optional<BrushConfig>& brush);
   ServoResult follow(const std::vector<Path>& paths);
 

@@ -225,6 +225,24 @@ pp_status pp_session_set_mask(pp_session session, pp_mask which, const uint8_t* 
   });
 }
 
+pp_status pp_session_remove_points(pp_session session, const uint8_t* mask, uint64_t points) {
+  return commanding(session, [&](OpenSession& open) {
+    if (points > 0) required(mask, "mask");
+    open.changePoints({mask, points}, RemovePoints());
+  });
+}
+
+pp_status pp_session_move_points(pp_session session, const uint8_t* mask, uint64_t points, const double* rotation,
+                                 double scale, const double* offset) {
+  return commanding(session, [&](OpenSession& open) {
+    if (points > 0) required(mask, "mask");
+    MovePoints move{.scale = scale};
+    if (rotation) move.rotation = {rotation[0], rotation[1], rotation[2], rotation[3]};
+    if (offset) move.offset = {offset[0], offset[1], offset[2]};
+    open.changePoints({mask, points}, move);
+  });
+}
+
 pp_status pp_session_mask(pp_session session, pp_mask which, uint8_t* mask, uint64_t points) {
   return commanding(session, [&](OpenSession& open) {
     if (points > 0) required(mask, "mask");

@@ -123,6 +123,69 @@ TEST_CASE("a stroke keeps a point once, in its state before the first edit") {
   }
 }
 
+TEST_CASE(
+    "a stroke that removes most points of a cloud is undone within a budget that its states exceed, also from disk") {
+  constexpr std::size_t kCount = 100'000;
+  const PointCloud cloud = coloredCloud(kCount);
+  const std::vector<PointState> whole = statesOf(cloud);
+  const ScratchFolder folder;
+  History history(cloud, {.bytes = 40'000, .folder = folder.path(), .disk_bytes = 1 << 20});
+  const auto removal = [&](std::size_t begin, std::size_t end) {
+    EditBatch batch;
+    for (std::size_t i = begin; i < end; ++i) {
+      batch.points.push_back(whole[i]);
+      batch.points.back().gone = true;
+    }
+    mark(batch, EditMark::Kind::stroke);
+    return batch;
+  };
+  const std::uint64_t version = history.version();
+  history.follow(removal(5, kCount - 7));
+  CHECK(history.points().present() == 12);
+  CHECK(history.bytes() < 30'000);
+  CHECK(history.version() != version);
+  CHECK(history.counts().strokes == 1);
+  history.follow(strokeOf(0, 3, 1));
+  history.follow(removal(0, 2));
+  for (int i = 0; i < 40; ++i) history.follow(strokeOf(3, 4, static_cast<float>(i)));  // pushes others to the disk
+  CHECK(history.counts().dropped == 0);
+  const std::vector<PointState> last = copyOf(history.points());
+  const std::size_t all = history.counts().undoCount;
+  CHECK(all == 43);
+  while (history.counts().undoCount > 0) CHECK_FALSE(undone(history).empty());
+  CHECK(differences(history.points(), whole) == 0);
+  CHECK(history.version() == version);
+  CHECK(history.points().present() == kCount);
+  while (history.counts().redoCount > 0) CHECK_FALSE(redone(history).empty());
+  CHECK(differences(history.points(), last) == 0);
+}
+
+TEST_CASE("undo of a removal leaves points that others have restored or moved since") {
+  const PointCloud cloud = coloredCloud(100);
+  History history(cloud, {1 << 20});
+  EditBatch batch;
+  for (std::uint32_t i = 10; i < 20; ++i) {
+    batch.points.push_back(statesOf(cloud)[i]);
+    batch.points.back().gone = true;
+  }
+  mark(batch, EditMark::Kind::stroke);
+  history.follow(batch);
+  batch.clear();
+  PointState moved = statesOf(cloud)[12];
+  moved.position.z = 9;
+  batch.points = {moved};
+  mark(batch, EditMark::Kind::received);
+  history.follow(batch);
+  const auto changes = undone(history);
+  CHECK(changes.size() == 9);
+  CHECK(std::ranges::none_of(changes, [](const PointChange& change) { return change.to.number == 12; }));
+  CHECK(history.points()[12] == moved);
+  CHECK(history.points().present() == 100);
+  CHECK(redone(history).size() == 9);
+  CHECK(history.points()[12] == moved);
+  CHECK(history.points().present() == 91);
+}
+
 TEST_CASE("beyond the budget the oldest strokes are dropped first, and counted") {
   const PointCloud cloud = coloredCloud(10'000);
   const std::uint64_t budget = 2500 * sizeof(PointState);

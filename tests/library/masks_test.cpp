@@ -1,5 +1,6 @@
 // Masks of points: hidden ones are not felt, locked ones not changed, in a program's session.
 #include <algorithm>
+#include <cmath>
 
 #include "tests/library/ball.hpp"
 #include "tests/near.hpp"
@@ -63,6 +64,43 @@ TEST_CASE("a brush changes no locked point, and a stroke keeps the masks that we
   PP_REQUIRE_OK(pp_session_set_mask(ball.session, PP_MASK_WITHIN, low.data(), kCount));
   stroke(ball.session, pathOf(path), brush);
   CHECK(placesOf(ball.session) != before);
+}
+
+TEST_CASE("a program removes and moves points of a mask, all others stay, and undo restores them to the bit") {
+  constexpr std::uint64_t kCount = 20'000;
+  const OpenBall ball(cpuOptions(), kCount);
+  const std::vector<double> before = placesOf(ball.session);
+  const std::vector<std::uint8_t> top = above(20, kCount);
+  const double quarter[]{std::sqrt(0.5), 0, 0, std::sqrt(0.5)}, offset[]{100, 0, 1};
+  PP_REQUIRE_OK(pp_session_move_points(ball.session, top.data(), kCount, quarter, 2, offset));
+  const std::vector<double> moved = placesOf(ball.session);
+  std::size_t wrong = 0, count = 0;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double* const p = &before[3 * i];
+    const double* const q = &moved[3 * i];
+    count += top[i];
+    wrong += top[i] ? std::abs(q[0] - 100 + 2 * p[1]) + std::abs(q[1] - 2 * p[0]) + std::abs(q[2] - 1 - 2 * p[2]) > 1e-4
+                    : !std::equal(p, p + 3, q);
+  }
+  CHECK(wrong == 0);
+  CHECK(count > 1'000);
+  CHECK(largestForce(ball.session, 1) == 0);  // nothing is there any more
+  std::uint64_t done = 0;
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 1, &done));
+  CHECK(placesOf(ball.session) == before);
+  PP_REQUIRE_OK(pp_session_move_points(ball.session, top.data(), kCount, nullptr, 1, nullptr));
+  CHECK(placesOf(ball.session) == before);
+  PP_REQUIRE_OK(pp_session_remove_points(ball.session, top.data(), kCount));
+  CHECK(placesOf(ball.session).size() == 3 * (kCount - count));
+  CHECK(largestForce(ball.session, 1) == 0);
+  PP_CHECK_FAILS(pp_session_remove_points(ball.session, top.data(), kCount), PP_ERROR_ARGUMENT, "values were given");
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 1, &done));
+  CHECK(placesOf(ball.session) == before);
+  PP_CHECK_FAILS(pp_session_move_points(ball.session, top.data(), kCount, nullptr, 0, nullptr), PP_ERROR_ARGUMENT,
+                 "positive");
+  PP_CHECK_FAILS(pp_session_move_points(ball.session, top.data(), kCount, offset, 1, nullptr), PP_ERROR_ARGUMENT,
+                 "unit");
+  CHECK(placesOf(ball.session) == before);
 }
 
 TEST_CASE("masks of another length, unknown masks, and the first one of a live session are refused") {

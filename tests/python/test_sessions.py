@@ -304,6 +304,14 @@ def test_masks_hide_and_lock_points_of_a_session(ball):
         assert len(session.cloud()) == len(ball)
         assert session.undo() == 1 and not session.mask("hidden").any()
         assert session.touch(press_path(1))["contact"].any()
+        session.remove_points(top)
+        assert np.array_equal(session.cloud().positions, ball.positions[~top])
+        assert session.undo() == 1
+        session.move_points(top, offset=(0, 0, 500), rotation=(0, 0, 0, 1), scale=2)
+        moved = session.cloud().positions
+        assert np.allclose(moved[top], ball.positions[top] * (-2, -2, 2) + (0, 0, 500), atol=1e-3)
+        assert np.array_equal(moved[~top], ball.positions[~top])
+        assert session.undo() == 1 and np.array_equal(session.cloud().positions, ball.positions)
         session.set_mask("locked", np.ones(len(ball), dtype=bool))
         session.push(press_path(3), radius_mm=5)
         assert np.array_equal(session.cloud().positions, ball.positions)

@@ -249,6 +249,15 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   void setMask(pp_mask which, const std::vector<std::uint8_t>& mask) {
     check(pp_session_set_mask(handle(), which, mask.data(), mask.size()));
   }
+  /// Removes the points of such a mask, as one stroke (pp_session_remove_points()).
+  void removePoints(const std::vector<std::uint8_t>& mask) {
+    check(pp_session_remove_points(handle(), mask.data(), mask.size()));
+  }
+  /// Moves them, as one stroke (pp_session_move_points()). `rotation`: a unit quaternion w, x, y, z.
+  void movePoints(const std::vector<std::uint8_t>& mask, const std::array<double, 3>& offset,
+                  const std::array<double, 4>& rotation = {1, 0, 0, 0}, double scale = 1) {
+    check(pp_session_move_points(handle(), mask.data(), mask.size(), rotation.data(), scale, offset.data()));
+  }
   /// A byte for each of the `points` present points.
   std::vector<std::uint8_t> mask(pp_mask which, std::uint64_t points) {
     std::vector<std::uint8_t> mask(points);

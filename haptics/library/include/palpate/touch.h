@@ -110,6 +110,14 @@ typedef enum pp_mask {
  * while the session is live. PP_ERROR_ARGUMENT for another number of points, and, with the reason, if the model does
  * not allow it. */
 PP_API pp_status pp_session_set_mask(pp_session session, pp_mask which, const uint8_t* mask, uint64_t points);
+/** Removes the points of a mask, as one stroke that can be undone. Mask and errors as for pp_session_set_mask(). */
+PP_API pp_status pp_session_remove_points(pp_session session, const uint8_t* mask, uint64_t points);
+/** Moves the points of a mask, as one stroke that can be undone: to `offset` + `scale` * (`rotation` * position), in
+ * model units and the coordinates of pp_session_cloud(); normals rotate. `rotation`: a unit quaternion w, x, y, z, or
+ * null for none; `scale`: positive; `offset`: x, y, z, or null for none. Mask and errors as for
+ * pp_session_set_mask(); PP_ERROR_ARGUMENT also for numbers that are not finite. */
+PP_API pp_status pp_session_move_points(pp_session session, const uint8_t* mask, uint64_t points,
+                                        const double* rotation, double scale, const double* offset);
 /** Copies a mask: 1 for points in it, else 0. Order and errors as for pp_session_set_mask(). */
 PP_API pp_status pp_session_mask(pp_session session, pp_mask which, uint8_t* mask, uint64_t points);
 /** Takes in the edits that pp_touch() with a budget, or a live hand, has made. Call it some thirty times a second:
