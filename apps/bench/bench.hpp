@@ -159,7 +159,7 @@ void addMatterBench(Options& bench, Context& context, Command& command);
 void addShareBench(Options& bench, Context& context, Command& command);
 /// Reading speed of files in any format.
 void addReadBench(Options& bench, Context& context, Command& command);
-/// Cost of selecting and cleaning points; apps/bench/select.py measures Open3D beside it.
+/// Cost of selecting and cleaning points; apps/bench/select_peers.py measures Open3D beside it.
 void addSelectBench(Options& bench, Context& context, Command& command);
 /// Random strokes of every brush, half of them on thin parts, folds and borders, judged by the points before and after
 /// (engine/study/stroke_judge.hpp).

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Times of `palpate bench select` beside Open3D's on the same points, in turns in one run, on the same threads.
 
-    OMP_NUM_THREADS=2 python3 apps/bench/select.py build/release/palpate [--points 1000000] [--rounds 5]
+    OMP_NUM_THREADS=2 python3 apps/bench/select_peers.py build/release/palpate [--points 1000000] [--rounds 5]
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def main() -> None:
         run("info", model, "--json", result)
         found = peers(model, json.loads(result.read_text())["mean_spacing"])
         for _ in range(options.rounds):
-            run("bench", "select", "--models", model, "--repeat", 1, "--limit", 0, "--threads", threads,
+            run("bench", "select", "--of", "cloud", "--models", model, "--repeat", 1, "--limit", 0, "--threads", threads,
                 "--json", result)
             for record in json.loads(result.read_text())["select"]:
                 ours.setdefault(record["operation"], []).append(record["time_ms"]["p50"])
