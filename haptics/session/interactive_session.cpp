@@ -349,7 +349,7 @@ std::optional<InteractiveSession::Saved> InteractiveSession::takeSaved() {
     saving_.saved = saving_.version;
     since_ = {.before = {}, .saved = saving_.depth, .low = saving_.depth};
   }
-  if (unsaved_ && !isChanged()) unsaved_->saved();
+  if (unsaved_ && !isChanged()) unsaved_->saved(history().points(), attributes());
   return saved;
 }
 

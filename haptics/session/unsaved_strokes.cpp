@@ -72,7 +72,6 @@ void UnsavedStrokes::adopt(const LeftStrokes& left) {
 // The last log is removed only when the new one contains all of it.
 void UnsavedStrokes::begin(EditBatch initial) {
   ++number_;
-  wasKept_ = true;
   failed_ = false;
   pending_.clear();
   states_ = initial.points.size();
@@ -119,13 +118,14 @@ EditBatch UnsavedStrokes::snapshot(const PointStates& points, const LayerAttribu
   return all;
 }
 
-void UnsavedStrokes::saved() {
+void UnsavedStrokes::saved(const PointStates& points, const LayerAttributes& attributes) {
   failed_ = false;
   if (!isKept()) return;
   if (making_.valid()) making_.wait();
   takeMade();
   writer_.reset();
   pending_.clear();
+  saved_ = snapshot(points, attributes);
   folder().removeLogs(number_ + 1);
 }
 
@@ -141,12 +141,17 @@ void UnsavedStrokes::follow(const EditBatch& fresh, const PointStates& points, c
   if (isChanged && !failed_ && since_ != since) folder().setSince(since_ = since);
   if (!isKept()) {
     if ((fresh.empty() && !attributes.hasMasks()) || failed_) return;  // masks are in no saved file
-    return begin(wasKept_ || fresh.marks.empty() ? snapshot(points, attributes) : fresh);
+    EditBatch initial = fresh.empty() ? snapshot(points, attributes) : saved_.value_or(EditBatch());
+    append(initial, fresh);  // it may be the begin of a stroke, which is undone as a whole
+    saved_.reset();
+    return begin(std::move(initial));
   }
   append(pending_, fresh);
   if (writer_ && pending_.empty() && !isChanged) noteUnchanged(true);
   if (!writer_ || pending_.empty() || sinceWritten_.elapsed_s() < kBetweenWrites_s) return;
-  if (states_ > std::max(kMaxStates, kMaxClouds * model_.cloud.size())) return begin(snapshot(points, attributes));
+  const bool isInStroke = pending_.marks.empty() || pending_.marks.back().at < pending_.points.size();
+  if (!isInStroke && states_ > std::max(kMaxStates, kMaxClouds * model_.cloud.size()))
+    return begin(snapshot(points, attributes));
   writePending();
 }
 
@@ -166,6 +171,7 @@ void UnsavedStrokes::remove() {
   const std::scoped_lock hold(folderLock_);
   if (folder_) folder_->remove();
   folder_.reset();
+  saved_.reset();
   unchanged_ = false;
   since_ = {};
 }

@@ -109,8 +109,8 @@ class UnsavedStrokes {
   /// from the file, by the strokes `since`.
   void follow(const EditBatch& fresh, const PointStates& points, const LayerAttributes& attributes, bool isChanged,
               const StrokesSince& since);
-  /// Called when the present points have been saved.
-  void saved();
+  /// Called when these points, the present ones, have been saved.
+  void saved(const PointStates& points, const LayerAttributes& attributes);
   /// Called before the model's file is replaced, from any thread.
   void keepModel();
   /// Removes all kept strokes.
@@ -136,7 +136,8 @@ class UnsavedStrokes {
   unsigned number_ = 0;     // of the last log
   bool unchanged_ = false;  // as noted in the folder
   StrokesSince since_;      // likewise
-  bool wasKept_ = false;    // if so, the points before the next stroke may differ from the model's
+  // The points before the next stroke, once they were saved: they may differ from the model's.
+  std::optional<EditBatch> saved_;
   std::future<std::unique_ptr<SessionWriter>> making_;
   std::unique_ptr<SessionWriter> writer_;
   EditBatch pending_;

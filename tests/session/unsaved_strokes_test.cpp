@@ -182,7 +182,7 @@ TEST_CASE("what unsaved strokes change in the file saved last is kept with them,
     Sculpted sculpted(folder.path());
     sculpted.since = {.made = 1};
     sculpted.stroke({0}, 3);
-    sculpted.unsaved.saved();
+    sculpted.unsaved.saved(sculpted.history.points(), sculpted.attributes);
     sculpted.since = {.made = 0, .undone = 1};
     sculpted.change(undone(sculpted.history));
   }
@@ -200,7 +200,7 @@ TEST_CASE("masks that are in no saved file are kept also after a save") {
     EditBatch batch{.marks = {{0, EditMark::Kind::attribute}}, .attributes = {flip}};
     sculpted.attributes.exchange(flip);
     sculpted.take(std::move(batch));
-    sculpted.unsaved.saved();
+    sculpted.unsaved.saved(sculpted.history.points(), sculpted.attributes);
     sculpted.take({});  // the next frame
   }
   const auto left = leftIn(folder.path());
@@ -224,6 +224,34 @@ TEST_CASE("a stroke in progress is counted among the unsaved strokes") {
   CHECK(left[0].since.made == 2);
 }
 
+TEST_CASE("a stroke that is written while it goes on is recovered as one, and undone as a whole, also after a save") {
+  for (const bool saves : {false, true}) {
+    CAPTURE(saves);
+    const ScratchFolder folder;
+    std::vector<PointState> before;
+    std::optional<Sculpted> sculpted(std::in_place, folder.path());
+    if (saves) {
+      sculpted->stroke({0, 2}, 3);
+      sculpted->unsaved.saved(sculpted->history.points(), sculpted->attributes);
+    }
+    before.assign(sculpted->history.points().begin(), sculpted->history.points().end());
+    for (const float to : {4.0F, 5.0F})
+      sculpted->take({.points = {{.position = Vec3(to), .number = 1, .normal = {0, 0, 1}, .parent = 1}}});
+    sculpted->stroke({0}, 6);
+    const Model model = sculpted->model;
+    sculpted.reset();
+    const auto left = leftIn(folder.path());
+    REQUIRE(left.size() == 1);
+    History again(model.cloud, {kUndo_bytes});
+    LayerAttributes attributes;
+    followAgain(again, attributes, left[0].edits);
+    CHECK(again.points()[1].position == Vec3(5));
+    CHECK(again.counts().undoCount == 1);
+    undone(again);
+    CHECK(std::ranges::equal(again.points(), before));
+  }
+}
+
 TEST_CASE("saved strokes are not left, and later ones are relative to the model's file as it was") {
   const ScratchFolder folder;
   std::ofstream(folder / "model.ply") << "as it was";
@@ -232,7 +260,7 @@ TEST_CASE("saved strokes are not left, and later ones are relative to the model'
   sculpted->unsaved.keepModel();
   std::ofstream(folder / "new.ply") << "saved";
   std::filesystem::rename(folder / "new.ply", folder / "model.ply");
-  sculpted->unsaved.saved();
+  sculpted->unsaved.saved(sculpted->history.points(), sculpted->attributes);
   sculpted->unsaved.setDocument((folder / "mine.ply").string());
   sculpted->stroke({1}, 5);
   const Snapshot before(sculpted->history);
