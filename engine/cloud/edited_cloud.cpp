@@ -1,34 +1,15 @@
 #include "engine/cloud/edited_cloud.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 
+#include "engine/cloud/edited_gaussians.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/checksum.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/packed_state.hpp"
 
 namespace palpate {
-
-namespace {
-
-// The point of the file from which a point has its other properties.
-std::uint64_t ancestor(std::span<const PointState> points, std::uint64_t point, std::size_t inFile) {
-  for (std::size_t steps = 0; point >= inFile; ++steps) {
-    if (steps == points.size() || point >= points.size())
-      throw Error("a new point has no ancestor in the file; the edits are of another model, or are damaged");
-    point = points[point].parent;
-  }
-  return point;
-}
-
-std::array<std::uint8_t, 4> unpacked(std::uint32_t color) {
-  const auto byte = [&](unsigned k) { return static_cast<std::uint8_t>(color >> (8 * k)); };
-  return {byte(0), byte(1), byte(2), byte(3)};
-}
-
-}  // namespace
 
 std::uint32_t packedColor(const PointCloud& cloud, std::size_t point) {
   if (!cloud.hasColors()) return 0;
@@ -58,6 +39,15 @@ std::uint64_t checksumOf(const DVec3& origin, std::span<const PointState> points
   return sum.value();
 }
 
+std::uint64_t ancestorOf(std::span<const PointState> points, std::uint64_t point, std::size_t inFile) {
+  for (std::size_t steps = 0; point >= inFile; ++steps) {
+    if (steps == points.size() || point >= points.size())
+      throw Error("a new point has no ancestor in the file; the edits are of another model, or are damaged");
+    point = points[point].parent;
+  }
+  return point;
+}
+
 std::size_t changedPoints(const PointCloud& file, std::span<const PointState> points) {
   PALPATE_CHECK_LE(file.size(), points.size());
   std::size_t changed = 0;
@@ -71,6 +61,7 @@ std::size_t changedPoints(const PointCloud& file, std::span<const PointState> po
 PointCloud editedCloud(const PointCloud& file, std::span<const PointState> points) {
   PALPATE_CHECK_LE(file.size(), points.size());
   PointCloud cloud{.origin = file.origin, .storedAs = file.storedAs};
+  cloud.storedAs.baggage = editedGaussians(file, points);
   const auto there =
       static_cast<std::size_t>(std::ranges::count_if(points, [](const PointState& point) { return !point.gone; }));
   const bool colors = file.hasColors() || std::ranges::any_of(points, [](const PointState& point) {
@@ -86,10 +77,10 @@ PointCloud editedCloud(const PointCloud& file, std::span<const PointState> point
     const PointState& point = points[i];
     PALPATE_CHECK_EQ(point.number, i);
     if (point.gone) continue;
-    sources.push_back(ancestor(points, i, file.size()));
+    sources.push_back(ancestorOf(points, i, file.size()));
     cloud.positions.push_back(point.position);
     if (file.hasNormals()) cloud.normals.push_back(point.normal);
-    if (colors) cloud.colors.push_back(point.color != 0 || file.hasColors() ? unpacked(point.color) : kUnpainted);
+    if (colors) cloud.colors.push_back(point.color != 0 || file.hasColors() ? unpackedColor(point.color) : kUnpainted);
     if (!file.exactPositions.empty())
       cloud.exactPositions.push_back(i < file.size() ? file.exactPositions[i] : file.origin + DVec3(point.position));
   }

@@ -18,6 +18,10 @@ std::vector<PointState> statesOf(const PointCloud& file);
 /// points do not affect it.
 std::uint64_t checksumOf(const DVec3& origin, std::span<const PointState> points);
 
+/// The point of the file from which a point of an edited cloud of `inFile` points has its other properties. Throws
+/// Error for a point without.
+std::uint64_t ancestorOf(std::span<const PointState> points, std::uint64_t point, std::size_t inFile);
+
 /// Number of `points` that have moved, have another colour, were removed, or are new; `points[i]` has the number i, and
 /// the file's points come first.
 std::size_t changedPoints(const PointCloud& file, std::span<const PointState> points);
@@ -25,7 +29,8 @@ std::size_t changedPoints(const PointCloud& file, std::span<const PointState> po
 /// The cloud with its points in the states `points` (as for changedPoints()): those of the file that still exist in its
 /// order, then the new ones by id. An unmoved point keeps the file's coordinates to the last bit; a new one takes all
 /// properties that `points` does not contain from its parent. If the file has no colours and a point was given one, the
-/// others get kUnpainted. Throws Error for a point without an ancestor in the file.
+/// others get kUnpainted. Gaussians follow their points (editedGaussians()). Throws Error for a point without an
+/// ancestor in the file.
 PointCloud editedCloud(const PointCloud& file, std::span<const PointState> points);
 
 }  // namespace palpate

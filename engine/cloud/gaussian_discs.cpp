@@ -19,7 +19,6 @@ constexpr float kFarthest = 5e5f;                 // in usual radii: single prec
 constexpr float kLargestLog = 60;                 // of deviations: squares of larger ones overflow single precision
 constexpr float kThinnest = 0.2f, kThickest = 1;  // usual radii
 constexpr double kMaxMeanArea = 2;                // in units of the usual area
-constexpr float kZeroHarmonic = 0.28209479177387814f;  // 1 / (2 sqrt(pi))
 constexpr std::size_t kSample = 20'000;
 
 float opacityOf(float logit) { return static_cast<float>(1 / (1 + std::exp(-static_cast<double>(logit)))); }
@@ -144,12 +143,13 @@ GaussianDisc discOf(const GaussianScene& scene, std::size_t i, const Size& size,
     const double deviation = std::exp(std::max(static_cast<double>(logs[k]), -2.0 * kLargestLog)) / frame.usualRadius;
     return Vec3(axes[static_cast<std::size_t>(k)] * std::clamp<double>(deviation, kThinnest, most));
   };
-  GaussianDisc disc{.center = Vec3((scene.centers[i] - frame.origin) / frame.usualRadius),
-                    .opacity = size.opacity,
-                    .longest = axis(0, kOversized),
-                    .middle = axis(1, kOversized),
-                    .shortest = axis(2, kThickest),
-                    .color = glm::clamp(0.5f + kZeroHarmonic * scene.colorHarmonics[i], 0.0f, 1.0f)};
+  GaussianDisc disc{
+      .center = Vec3((scene.centers[i] - frame.origin) / frame.usualRadius),
+      .opacity = size.opacity,
+      .longest = axis(0, kOversized),
+      .middle = axis(1, kOversized),
+      .shortest = axis(2, kThickest),
+      .color = glm::clamp(0.5f + static_cast<float>(kZeroHarmonic) * scene.colorHarmonics[i], 0.0f, 1.0f)};
   const float deviations = std::sqrt(2 * std::log(disc.opacity / kNotFelt));
   disc.reach =
       deviations * glm::sqrt(disc.longest * disc.longest + disc.middle * disc.middle + disc.shortest * disc.shortest);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 
+#include "engine/cloud/gaussian_records.hpp"
 #include "engine/core/atomic_file.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/counted.hpp"
@@ -148,18 +150,28 @@ const CloudFormats& cloudFormats() {
   return table;
 }
 
+bool keepsBaggage(const CloudFormat& format, const PointCloud& cloud) {
+  const auto& baggage = cloud.storedAs.baggage;
+  return !baggage || baggage->format == (format.family.empty() ? format.name : format.family);
+}
+
+std::vector<std::string> lostOnTheWay(const PointCloud& cloud, const CloudFormat& to) {
+  std::vector<std::string> lost = to.lacks ? to.lacks(cloud) : std::vector<std::string>();
+  if (!keepsBaggage(to, cloud) && !cloud.storedAs.baggage->sentence.empty())
+    lost.push_back(cloud.storedAs.baggage->sentence);
+  return lost;
+}
+
 std::vector<std::string> lostOnTheWay(const StoredCloud& stored, const CloudFormat& to) {
   std::vector<std::string> lost = stored.lost;
   if (!stored.triangles.empty() && !holdsTriangles(to)) lost.push_back(counted(stored.triangles.size(), "triangle"));
-  for (std::string& what : to.lacks(stored.cloud)) lost.push_back(std::move(what));
-  const auto& baggage = stored.cloud.storedAs.baggage;
-  const std::string_view keeps = to.family.empty() ? to.name : to.family;
-  if (baggage && baggage->format != keeps && !baggage->sentence.empty()) lost.push_back(baggage->sentence);
+  std::ranges::move(lostOnTheWay(stored.cloud, to), std::back_inserter(lost));
   return lost;
 }
 
 std::vector<std::string> keptOnTheWay(const StoredCloud& stored, const CloudFormat& to) {
   const PointCloud& cloud = stored.cloud;
+  if (gaussiansOf(cloud) && keepsBaggage(to, cloud)) return {"all properties"};
   std::vector<std::string> names{"positions"};
   if (cloud.hasNormals() && to.keepsNormals) names.emplace_back("normals");
   if (cloud.hasColors() && to.keepsColors) names.emplace_back("colours");

@@ -41,8 +41,13 @@ class CloudFormats {
 /// The table of all formats.
 const CloudFormats& cloudFormats();
 
+/// Whether the format writes the baggage of the cloud, if it has any.
+bool keepsBaggage(const CloudFormat& format, const PointCloud& cloud);
+
 /// Parts of a file that was read which writing in the format `to` loses, in words.
 std::vector<std::string> lostOnTheWay(const StoredCloud& stored, const CloudFormat& to);
+/// The same of a cloud that was read without losses, or whose losses are known.
+std::vector<std::string> lostOnTheWay(const PointCloud& cloud, const CloudFormat& to);
 
 /// Names of what a file in the format `to` then has: "positions", "colours", "intensity", "12 triangles".
 std::vector<std::string> keptOnTheWay(const StoredCloud& stored, const CloudFormat& to);

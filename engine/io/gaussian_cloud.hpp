@@ -6,9 +6,6 @@
 
 namespace palpate {
 
-/// "300 Gaussians".
-std::string gaussiansInWords(std::uint64_t count);
-
 /// Gaussians with numbers that are not finite, or with a zero rotation, are left out, counted and named as lost;
 /// `scene` may contain such. Logs the result.
 StoredCloud surfaceOfGaussians(const std::string& name, GaussianScene scene, Log* log);

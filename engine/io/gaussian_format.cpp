@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/cloud/gaussian_columns.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/gaussian_cloud.hpp"
 #include "engine/io/gaussian_rows.hpp"
@@ -14,19 +15,9 @@ namespace palpate {
 
 namespace {
 
-constexpr std::string_view kRest = "f_rest_";
-
 std::size_t restsOf(const PlyElement& vertex) {
   return static_cast<std::size_t>(std::ranges::count_if(
-      vertex.properties, [](const PlyProperty& property) { return property.name.starts_with(kRest); }));
-}
-
-/// "9080 Gaussians of degree 3"; without the degree if no degree has that number of coefficients.
-std::string nameOf(const PlyElement& vertex) {
-  std::string name = gaussiansInWords(vertex.count);
-  for (std::size_t degree = 0; degree <= 4; ++degree)  // three channels, without the coefficients in f_dc
-    if (restsOf(vertex) == 3 * ((degree + 1) * (degree + 1) - 1)) name += fmt::format(" of degree {}", degree);
-  return name;
+      vertex.properties, [](const PlyProperty& property) { return property.name.starts_with(kRestName); }));
 }
 
 bool holdsGaussians(const std::filesystem::path& path) {
@@ -50,24 +41,19 @@ FileContents contentsOfGaussians(const std::filesystem::path& file) {
     known.name = gaussians ? "Gaussian" : element.name;
     known.count = element.count;
     for (const PlyProperty& property : element.properties) known.properties.push_back({property.name, property.isList});
-    if (gaussians) contents.madeFrom = nameOf(element) + "; the points are those of their surface";
+    if (gaussians)
+      contents.madeFrom = fmt::format("a splat scene of {}; the points are those of their surface",
+                                      gaussiansInWords(element.count, restsOf(element)));
   }
   return contents;
 }
 
 std::vector<std::string> lostOf(const PlyInfo& info, const GaussianRows& rows) {
   std::vector<std::string> lost;
-  for (const PlyElement& element : info.elements) {
-    if (element.count == 0) continue;
-    if (element.name != "vertex") {
+  for (const PlyElement& element : info.elements)
+    if (element.count > 0 && element.name != "vertex")
       lost.push_back(fmt::format("{} {}", element.count, element.name));
-      continue;
-    }
-    lost.push_back(nameOf(element) + ", of which the points are the surface: opacity, scale, rot");
-    if (const std::size_t rests = restsOf(element))
-      lost.push_back(fmt::format("colours by the direction of view: f_rest_0 to {}", rests - 1));
-    for (const std::string& name : rows.unused()) lost.push_back(fmt::format("property '{}' of vertex", name));
-  }
+  for (const std::string& name : rows.lists()) lost.push_back(fmt::format("property '{}' of vertex", name));
   return lost;
 }
 
@@ -82,8 +68,11 @@ StoredCloud readGaussians(const std::filesystem::path& path, Log* log, const Clo
   readPlyBody(file, info, rows, nullptr, log);
   if (log && options.normalsFromFaces) log->say("{}: has no faces to take normals from", name);
 
-  StoredCloud stored = surfaceOfGaussians(name, rows.takeScene(), log);
-  for (std::string& what : lostOf(info, rows)) stored.lost.push_back(std::move(what));
+  std::vector<std::string> lost = lostOf(info, rows);
+  auto records = rows.takeRecords();
+  StoredCloud stored = surfaceOfGaussians(name, sceneOf(*records), log);
+  stored.lost = std::move(lost);  // Gaussians that are not felt are kept with the others
+  stored.cloud.storedAs.baggage = std::move(records);
   stored.cloud.storedAs.comments = info.comments;
   return stored;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/gaussian_cloud.hpp"
@@ -21,6 +22,7 @@ namespace {
 constexpr float kHarmonic = 0.28209479f;  // spherical harmonic of degree 0
 constexpr std::string_view kPackedLost = "of which the points are the surface: opacity, scale, rotation";
 
+std::string gaussiansText(std::uint64_t count) { return counted(count, "Gaussian"); }
 float logitOf(float share) { return std::log(share / (1 - share)); }
 
 void resize(GaussianScene& scene, std::size_t count) {
@@ -34,7 +36,7 @@ void resize(GaussianScene& scene, std::size_t count) {
 StoredCloud surface(const std::filesystem::path& path, GaussianScene scene, Log* log, const CloudReadOptions& options) {
   const std::string name = path.filename().string();
   if (log && options.normalsFromFaces) log->say("{}: has no faces to take normals from", name);
-  const std::string all = gaussiansInWords(scene.size());
+  const std::string all = gaussiansText(scene.size());
   StoredCloud stored = surfaceOfGaussians(name, std::move(scene), log);
   stored.lost.push_back(fmt::format("{}, {}", all, kPackedLost));
   return stored;
@@ -43,7 +45,8 @@ StoredCloud surface(const std::filesystem::path& path, GaussianScene scene, Log*
 FileContents contentsOfPacked(std::uint64_t count, std::string_view how) {
   FileContents contents;
   contents.elements.push_back({.name = "Gaussian", .count = count, .properties = {}});
-  contents.madeFrom = fmt::format("{}{}; the points are those of their surface", gaussiansInWords(count), how);
+  contents.madeFrom =
+      fmt::format("a splat scene of {}{}; the points are those of their surface", gaussiansText(count), how);
   return contents;
 }
 
@@ -153,7 +156,7 @@ GaussianScene readCompressedScene(const std::filesystem::path& path, Log* log) {
     throw FileError::atByte(path, file.offset(),
                             fmt::format("the header promises {} chunks and {}, for which the file is too short; it is "
                                         "truncated, or its header is wrong",
-                                        chunk.count, gaussiansInWords(vertex.count)));
+                                        chunk.count, gaussiansText(vertex.count)));
   std::vector<float> boxes(chunkFloats * chunk.count);
   const auto read = [&](void* to, std::size_t bytes) {
     const auto there = file.peek(bytes);
@@ -258,7 +261,7 @@ SpzHeader spzHeader(const std::filesystem::path& path, std::span<const std::byte
     throw FileError(path, "is SPZ with an invalid header: its degree or its bits of fractions are too large");
   if (const std::uint64_t wanted = kSpzHead + std::uint64_t{head.count} * head.rowBytes(); wanted > bytes.size())
     throw FileError(path, fmt::format("promises {}, for which its {} unpacked bytes are too few",
-                                      gaussiansInWords(head.count), bytes.size()));
+                                      gaussiansText(head.count), bytes.size()));
   return head;
 }
 

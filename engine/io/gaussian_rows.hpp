@@ -1,16 +1,16 @@
-// Converts the rows of a PLY file to the Gaussians of a scene.
+// Collects the rows of a PLY file of Gaussians.
 #pragma once
 
-#include <array>
+#include <memory>
 #include <vector>
 
-#include "engine/cloud/gaussian_scene.hpp"
+#include "engine/cloud/gaussian_records.hpp"
 #include "engine/io/ply_header.hpp"
 #include "engine/io/ply_row_sink.hpp"
 
 namespace palpate {
 
-/// Columns: x y z; f_dc_0 to 2; opacity; scale_0 to 2 (2D Gaussians have no scale_2, and are flat); rot_0 to 3.
+/// Columns: those that GaussianRecords requires, and any others.
 class GaussianRows final : public PlyRowSink {
  public:
   /// Whether the rows are meant as Gaussians, even if incomplete.
@@ -22,37 +22,20 @@ class GaussianRows final : public PlyRowSink {
   std::size_t rowBytes() const override { return rowBytes_; }
   std::size_t bytesAtOnce() const override { return std::size_t{64} << 20; }
   void reserve(std::uint64_t promised) override;
-  /// Uses one thread per core.
   std::optional<BadRow> append(const std::byte* rows, std::size_t count, bool swapBytes) override;
 
-  /// Numbers may be infinite or NaN.
-  GaussianScene takeScene() { return std::move(scene_); }
-  /// Properties of points that are neither used by a scene nor colours by direction.
-  const std::vector<std::string>& unused() const { return unused_; }
+  /// All rows, bit by bit.
+  std::shared_ptr<const GaussianRecords> takeRecords() {
+    return std::make_shared<const GaussianRecords>(std::move(columns_), std::move(rows_));
+  }
+  /// Lists of each Gaussian, which are not read.
+  const std::vector<std::string>& lists() const { return lists_; }
 
  private:
-  enum class Group { center, logScale, rotation, opacity, color, none };
-  struct Column {
-    std::string name;
-    std::size_t offset;
-    ScalarType type;
-    Group group;
-    int component;
-  };
-  struct Range {
-    std::size_t begin, end;  // of the rows given
-  };
-  template <class T, bool kSwap>
-  void storeColumn(const Column& column, const std::byte* rows, Range range);
-  template <bool kSwap>
-  void storeRows(const std::byte* rows, Range range);
-  void store(const Column& column, std::size_t i, double value);
-
-  std::vector<Column> columns_;
+  std::vector<GaussianRecords::Column> columns_;
   std::size_t rowBytes_ = 0;
-  std::size_t count_ = 0;  // rows appended before
-  GaussianScene scene_;
-  std::vector<std::string> unused_;
+  BareVector<std::byte> rows_;
+  std::vector<std::string> lists_;
 };
 
 }  // namespace palpate

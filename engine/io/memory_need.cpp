@@ -40,7 +40,7 @@ Rows rowsOf(const std::filesystem::path& file, const CloudFormat& format) {
   const auto start = startOf(file);
   if (start && start->isText() && (format.isText || format.ofTriangles)) return rowsOfText(*start);
   for (const FileElement& element : format.contents(file).elements)
-    if (element.name == "vertex")
+    if (element.name == "vertex" || element.name == "Gaussian")
       return {.count = element.count, .properties = std::max(kPositionProperties, element.properties.size())};
   return {};
 }

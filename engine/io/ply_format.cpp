@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/core/counted.hpp"
+#include "engine/io/gaussian_writer.hpp"
 #include "engine/io/ply_faces.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "engine/io/ply_writer.hpp"
@@ -64,7 +65,14 @@ StoredCloud readPlyFile(const std::filesystem::path& file, Log* log, const Cloud
   return stored;
 }
 
+void write(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options) {
+  if (const GaussianRecords* const records = gaussiansOf(cloud))
+    return writeRecords(file, *records, cloud.storedAs.comments, options);
+  writePly(file, cloud, options);
+}
+
 std::vector<std::string> lacksOfPly(const PointCloud& cloud) {
+  if (gaussiansOf(cloud)) return lacksOfGaussians(cloud);
   std::vector<std::string> lost;
   for (const std::string& name : namesGivingWay(cloud))
     lost.push_back(fmt::format("property '{}' of vertex, because another one is written under its name", name));
@@ -80,9 +88,10 @@ CloudFormat plyFormat() {
           .begins = [](const FileStart& start) { return start.startsWith("ply\n") || start.startsWith("ply\r"); },
           .contents = contentsOfPly,
           .read = readPlyFile,
-          .write = writePly,
+          .write = write,
           .lacks = lacksOfPly,
           .hasComments = true,
+          .family = "3DGS",  // the Gaussians of a splat scene
           .keepsTriangles = true};
 }
 

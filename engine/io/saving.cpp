@@ -25,7 +25,8 @@ std::string moreOf(const FileContents& contents) {
   const auto add = [&](const std::string& what) { more += (more.empty() ? "" : ", ") + what; };
   for (const FileElement& element : contents.elements) {
     if (element.name != "vertex") {
-      if (element.count > 0) add(inWords(element));
+      // Gaussians are kept by what was read from them, and are replaced by nothing else without a question.
+      if (element.count > 0 && element.name != "Gaussian") add(inWords(element));
       continue;
     }
     for (const FileElement::Property& property : element.properties)
@@ -82,8 +83,7 @@ namespace {
 
 // As `convert` reports it.
 std::string notKept(const std::filesystem::path& file, const PointCloud& cloud, const CloudFormats& formats) {
-  const CloudFormat& format = formats.toSave(file);
-  const std::vector<std::string> lost = format.lacks ? format.lacks(cloud) : std::vector<std::string>();
+  const std::vector<std::string> lost = lostOnTheWay(cloud, formats.toSave(file));
   return lost.empty() ? std::string() : fmt::format("not kept: {}", fmt::join(lost, ", "));
 }
 
@@ -133,7 +133,10 @@ std::filesystem::path whereToSave(const std::filesystem::path& file) {
   const CloudFormats& formats = cloudFormats();
   std::error_code isNone;
   const bool isFolder = std::filesystem::is_directory(file, isNone);
-  return !isFolder && &formats.toSave(file) == &formats.toRead(file) ? file : nameBeside(file);
+  if (isFolder) return nameBeside(file);
+  const CloudFormat &to = formats.toSave(file), &from = formats.toRead(file);
+  const bool isKept = &to == &from || (!to.family.empty() && to.family == from.name);
+  return isKept ? file : nameBeside(file);
 }
 
 std::filesystem::path nameBeside(const std::filesystem::path& file) {

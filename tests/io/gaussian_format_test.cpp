@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "engine/cloud/gaussian_records.hpp"
 #include "engine/cloud/gaussian_surface.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/io/saving.hpp"
@@ -156,19 +157,16 @@ TEST_CASE("files that are not Gaussians are not taken for Gaussians") {
   CHECK_FALSE(contains(cloudFormats().endingsWritten(), "3DGS"));
 }
 
-TEST_CASE("info of a cloud from Gaussians names its source and what its points cannot keep") {
+TEST_CASE("info of a cloud from Gaussians names its source") {
   const GaussianScene scene = square(10);
   const TemporaryFile file(fileOf(scene));
   const FileContents contents = contentsOf(file.path());
   REQUIRE(contents.elements.size() == 1);
   CHECK(contents.elements[0].name == "Gaussian");
   CHECK(contents.elements[0].count == 100);
-  CHECK(contents.madeFrom == "100 Gaussians; the points are those of their surface");  // one f_rest has no degree
-  const StoredCloud stored = readCloud(file.path());
-  REQUIRE(stored.lost.size() == 2);
-  CHECK(contains(stored.lost[0], "100 Gaussians"));
-  CHECK(contains(stored.lost[0], "opacity"));
-  CHECK(contains(stored.lost[1], "f_rest_0 to 0"));
+  // One f_rest has no degree.
+  CHECK(contents.madeFrom == "a splat scene of 100 Gaussians; the points are those of their surface");
+  CHECK(readCloud(file.path()).lost.empty());
   const TemporaryFile plain(fileOf(scene, {.leftOut = "f_rest_0"}));
   CHECK(contains(contentsOf(plain.path()).madeFrom, "100 Gaussians of degree 0"));
 }
@@ -178,11 +176,9 @@ TEST_CASE("points are saved over Gaussians only on request, and then the Gaussia
   const auto file = folder / "scene.ply";
   const std::string content = fileOf(square(10));
   std::ofstream(file, std::ios::binary) << content;
-  CHECK(whereToSave(file) == folder / "scene-sculpted.ply");
-  const FileInTheWay inTheWay = fileInTheWay(file);
-  CHECK(inTheWay.losesSomething());
-  CHECK(inTheWay.sentence() == "scene.ply has 100 Gaussians, which a sculpted cloud cannot keep");
-  const PointCloud cloud = readCloud(file).cloud;
+  CHECK(fileInTheWay(file).losesSomething());
+  PointCloud cloud = readCloud(file).cloud;
+  forgetGaussians(cloud);
   CHECK(saveKeeping(file, cloud) == folder / "scene.ply.bak");
   std::ifstream kept(folder / "scene.ply.bak", std::ios::binary);
   CHECK(std::string(std::istreambuf_iterator<char>(kept), {}) == content);
@@ -213,7 +209,7 @@ TEST_CASE("a Gaussian property that is missing or an integer is refused by its n
   }
 }
 
-TEST_CASE("a Gaussian with a non-finite value is left out and counted, unless the value is unused") {
+TEST_CASE("a Gaussian with a non-finite value is not felt and counted, unless the value is unused") {
   const GaussianScene scene = square(8);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (std::size_t column = 0; column < kNames.size(); ++column) {
@@ -225,8 +221,8 @@ TEST_CASE("a Gaussian with a non-finite value is left out and counted, unless th
         if (name == "opacity" && bad < 0) continue;  // fully transparent
         const StoredCloud stored =
             read(fileOf(scene, {.format = format, .badRow = 7, .badColumn = column, .badValue = bad}));
-        const bool counted = stored.lost.front().starts_with("1 Gaussian whose numbers are not finite");
-        CHECK(counted == used);
+        GaussianScene felt = sceneOf(*gaussiansOf(stored.cloud));
+        CHECK(leaveOutBad(felt) == (used ? 1 : 0));
       }
   }
 }
@@ -279,7 +275,8 @@ TEST_CASE("2D Gaussians, which have two scales, are flat") {
 TEST_CASE("a trained scene of Gaussians is read") {
   const std::filesystem::path file = sharedFile("gaussians_9080.ply");
   if (file.empty()) return;
-  CHECK(contentsOf(file).madeFrom == "9080 Gaussians of degree 3; the points are those of their surface");
+  CHECK(contentsOf(file).madeFrom ==
+        "a splat scene of 9080 Gaussians of degree 3; the points are those of their surface");
   const PointCloud cloud = readCloud(file).cloud;
   CHECK(cloud.size() > 500);
   CHECK(cloud.size() < 9080);
@@ -304,7 +301,7 @@ TEST_CASE("points written as Gaussians are read again as the same surface, with 
   for (const bool ascii : {false, true}) {
     gaussianFormat().write(folder / "a.3dgs.ply", cloud, {.ascii = ascii});
     CHECK(cloudFormats().toRead(folder / "a.3dgs.ply").name == "3DGS");
-    CHECK(contentsOf(folder / "a.3dgs.ply").madeFrom.starts_with("4000 Gaussians of degree 0"));
+    CHECK(contentsOf(folder / "a.3dgs.ply").madeFrom.starts_with("a splat scene of 4000 Gaussians of degree 0"));
     const PointCloud back = readCloud(folder / "a.3dgs.ply").cloud;
     CHECK(back.size() > 2000);
     REQUIRE(back.hasNormals());
@@ -324,7 +321,7 @@ TEST_CASE("points written as Gaussians are read again as the same surface, with 
     CHECK(faded < 8);
   }
   CHECK(gaussianFormat().lacks(cloud).empty());
-  CHECK(whereToSave(folder / "a.3dgs.ply") == folder / "a.3dgs-sculpted.ply");
+  CHECK(whereToSave(folder / "a.3dgs.ply") == folder / "a.3dgs.ply");
   cloud.normals.clear();
   CHECK_THROWS_WITH_AS(gaussianFormat().write(folder / "b.3dgs.ply", cloud, {}),
                        doctest::Contains("these points have none"), FileError);
@@ -374,12 +371,13 @@ TEST_CASE("Gaussians whose numbers are not finite, or whose rotation is zero, ar
     const gaussian::FileOptions options{.badRow = 5, .badColumn = column, .badValue = value};
     const StoredCloud stored = readingFile("a.ply", gaussian::fileOf(gaussian::square(8), options));
     CHECK_FALSE(stored.cloud.empty());
-    REQUIRE_FALSE(stored.lost.empty());
-    CHECK(stored.lost[0] == "1 Gaussian whose numbers are not finite or whose rotation is zero");
+    GaussianScene felt = sceneOf(*gaussiansOf(stored.cloud));
+    CHECK(leaveOutBad(felt) == 1);
   }
   GaussianScene unturned = gaussian::square(8);
   unturned.rotations[3] = Vec4(0);
-  CHECK(readingFile("a.ply", gaussian::fileOf(unturned)).lost[0].starts_with("1 Gaussian whose"));
+  CHECK(leaveOutBad(unturned) == 1);
+  CHECK(unturned.size() == 63);
 }
 
 }  // namespace palpate::test::gaussian_format_test

@@ -1,0 +1,219 @@
+#include "engine/cloud/edited_gaussians.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <unordered_map>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/eigen3.hpp"
+#include "engine/cloud/gaussian_columns.hpp"
+#include "engine/cloud/point_tree.hpp"
+#include "engine/cloud/shortest_rotation.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/core/parallel_collect.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kReach = 4;           // in spacings: the support radius, from which a hand feels a point
+constexpr double kAround = 2;          // in distances to the nearest point
+constexpr std::size_t kSample = 2048;  // points that are looked at for a Gaussian off the surface
+constexpr std::uint32_t kNone = ~0u;
+
+/// What a Gaussian belongs to.
+struct Owner {
+  std::uint32_t point = kNone;  ///< kNone: its centre is not finite
+  bool isNear = false;          ///< it follows the point
+  bool isGone = false;
+};
+
+class GaussianEdit {
+ public:
+  GaussianEdit(const PointCloud& file, const GaussianRecords& records, std::span<const PointState> points,
+               unsigned threads)
+      : file_(file),
+        records_(records),
+        columns_(records),
+        points_(points),
+        threads_(threads),
+        spacing_(meanSpacing(file, threads)),
+        isAnyGone_(std::ranges::any_of(points.first(file.size()), &PointState::gone)),
+        tree_(file.positions),
+        owners_(parallelMake(records.size(), threads, [&](std::size_t i) { return ownerOf(i); })) {}
+
+  std::shared_ptr<const GaussianRecords> result() const {
+    const auto kept = parallelCollect(
+        records_.size(), threads_, [&](std::size_t i) { return !owners_[i].isGone; }, [](std::size_t i) { return i; });
+    BareVector<std::byte> rows(kept.size() * records_.rowBytes);
+    parallelFor(kept.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        std::byte* const row = rows.data() + k * records_.rowBytes;
+        std::memcpy(row, records_.row(kept[k]), records_.rowBytes);
+        if (owners_[kept[k]].isNear) follow(owners_[kept[k]].point, row);
+      }
+    });
+    appendNew(rows);
+    return std::make_shared<const GaussianRecords>(records_.columns, std::move(rows));
+  }
+
+ private:
+  Vec3 relativeCenter(std::size_t i) const { return Vec3(columns_.center(records_.row(i)) - file_.origin); }
+  DVec3 inFile(std::size_t point) const { return file_.origin + DVec3(file_.positions[point]); }
+  DVec3 present(std::size_t point) const { return file_.origin + DVec3(points_[point].position); }
+
+  Owner ownerOf(std::size_t i) const {
+    const Vec3 center = relativeCenter(i);
+    Owner owner;
+    double squared = 0;
+    if (!isFinite(center) || tree_.nearest(center, {&owner.point, 1}, {&squared, 1}) == 0) return {};
+    const double distance = std::sqrt(squared);
+    owner.isNear = distance <= kReach * spacing_;
+    if (!isAnyGone_) return owner;
+    owner.isGone = owner.isNear ? points_[owner.point].gone : areMostGone(center, distance, owner.point);
+    return owner;
+  }
+
+  bool areMostGone(const Vec3& center, double distance, std::uint32_t nearest) const {
+    const auto around2 = static_cast<float>(kAround * kAround * distance * distance);
+    const std::size_t step = (file_.size() + kSample - 1) / kSample;
+    std::size_t around = 0, gone = 0;
+    for (std::size_t i = 0; i < file_.size(); i += step) {
+      const Vec3 to = file_.positions[i] - center;
+      if (glm::dot(to, to) > around2) continue;
+      ++around;
+      gone += points_[i].gone ? 1 : 0;
+    }
+    return around == 0 ? points_[nearest].gone : 2 * gone > around;
+  }
+
+  void follow(std::uint32_t point, std::byte* row) const {
+    const PointState& state = points_[point];
+    if (state.position != file_.positions[point])
+      columns_.move(row, alongWith(row, inFile(point), present(point), rotationAt(point)));
+    if (state.color != packedColor(file_, point)) columns_.paint(row, unpackedColor(state.color));
+  }
+
+  /// A Gaussian rotates about its own centre: one off the surface would swing far about the point.
+  GaussianMotion alongWith(const std::byte* row, const DVec3& from, const DVec3& to, const DQuat& rotation) const {
+    const DVec3 center = columns_.center(row);
+    return {rotation, center, center + (to - from)};
+  }
+
+  /// How the surface around a point has rotated: from the plane of its neighbours in the file to that of the same
+  /// neighbours at present, so that what an estimate of normals gets wrong is wrong in both.
+  DQuat rotationAt(std::uint32_t point) const {
+    constexpr std::size_t kNeighbours = 12, kFewest = 5;
+    constexpr float kSameSide = 0.5f;
+    constexpr double kTrusted = 0.7;  // cosines
+    std::array<std::uint32_t, kNeighbours> near;
+    std::array<double, kNeighbours> squared;
+    std::size_t count = tree_.nearest(file_.positions[point], near, squared);
+    const auto isUsed = [&](std::uint32_t other) {
+      return !points_[other].gone && glm::dot(file_.normals[other], file_.normals[point]) > kSameSide;
+    };
+    count = static_cast<std::size_t>(std::remove_if(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count),
+                                                    [&](std::uint32_t other) { return !isUsed(other); }) -
+                                     near.begin());
+    const DVec3 normalBefore(file_.normals[point]), normalNow(points_[point].normal);
+    if (count >= kFewest) {
+      const std::span<const std::uint32_t> used(near.data(), count);
+      const DVec3 before = planeOf(
+          used, [&](std::uint32_t i) { return inFile(i); }, normalBefore);
+      const DVec3 now = planeOf(
+          used, [&](std::uint32_t i) { return present(i); }, normalNow);
+      if (glm::dot(before, normalBefore) > kTrusted && glm::dot(now, normalNow) > kTrusted)
+        return shortestRotation(before, now);
+    }
+    return shortestRotation(glm::normalize(normalBefore), glm::normalize(normalNow));
+  }
+
+  template <class Position>
+  static DVec3 planeOf(std::span<const std::uint32_t> points, Position&& position, const DVec3& facing) {
+    DVec3 middle(0);
+    for (const std::uint32_t point : points) middle += position(point) / static_cast<double>(points.size());
+    SymmetricMatrix3 spread;
+    for (const std::uint32_t point : points) spread.addSquare(position(point) - middle);
+    const DVec3 normal = eigenSymmetric(spread).vectors[0];
+    return glm::dot(normal, facing) < 0 ? -normal : normal;
+  }
+
+  void appendNew(BareVector<std::byte>& rows) const {
+    std::unordered_map<std::uint32_t, std::vector<std::size_t>> copied;  // by ancestor
+    for (std::size_t i = file_.size(); i < points_.size(); ++i)
+      if (!points_[i].gone) copied[static_cast<std::uint32_t>(ancestorOf(points_, i, file_.size()))];
+    if (copied.empty()) return;
+    for (std::size_t i = 0; i < owners_.size(); ++i)
+      if (const auto found = copied.find(owners_[i].point); found != copied.end() && owners_[i].isNear)
+        found->second.push_back(i);
+    addNearest(copied);
+    for (std::size_t i = file_.size(); i < points_.size(); ++i) {
+      if (points_[i].gone) continue;
+      const auto ancestor = static_cast<std::uint32_t>(ancestorOf(points_, i, file_.size()));
+      const DQuat rotation =
+          shortestRotation(glm::normalize(DVec3(file_.normals[ancestor])), glm::normalize(DVec3(points_[i].normal)));
+      for (const std::size_t gaussian : copied.at(ancestor)) {
+        rows.insert(rows.end(), records_.row(gaussian), records_.row(gaussian) + records_.rowBytes);
+        std::byte* const row = rows.data() + rows.size() - records_.rowBytes;
+        columns_.move(row, alongWith(row, inFile(ancestor), present(i), rotation));
+        const Vec3 logs = columns_.logScales(row);
+        const double excess = static_cast<double>(std::max({logs.x, logs.y, logs.z})) - std::log(spacing_);
+        if (excess > 0) columns_.scale(row, -excess);
+        if (points_[i].color != packedColor(file_, ancestor)) columns_.paint(row, unpackedColor(points_[i].color));
+      }
+    }
+  }
+
+  /// Gives the ancestors without Gaussians of their own the nearest one of another point.
+  void addNearest(std::unordered_map<std::uint32_t, std::vector<std::size_t>>& copied) const {
+    const auto hasNone = [](const auto& each) { return each.second.empty(); };
+    if (std::ranges::none_of(copied, hasNone)) return;
+    const auto near = parallelCollect(
+        owners_.size(), threads_, [&](std::size_t i) { return owners_[i].isNear; }, [](std::size_t i) { return i; });
+    if (near.empty()) return;
+    std::vector<Vec3> centers;
+    for (const std::size_t i : near) centers.push_back(relativeCenter(i));
+    const PointTree tree(centers);
+    for (auto& [ancestor, gaussians] : copied) {
+      if (!gaussians.empty()) continue;
+      std::uint32_t found = 0;
+      double squared = 0;
+      tree.nearest(file_.positions[ancestor], {&found, 1}, {&squared, 1});
+      gaussians.push_back(near[found]);
+    }
+  }
+
+  const PointCloud& file_;
+  const GaussianRecords& records_;
+  const GaussianColumns columns_;
+  const std::span<const PointState> points_;
+  const unsigned threads_;
+  const double spacing_;
+  const bool isAnyGone_;  // of the file's points
+  const PointTree tree_;
+  const BareVector<Owner> owners_;
+};
+
+}  // namespace
+
+std::shared_ptr<const FormatBaggage> editedGaussians(const PointCloud& file, std::span<const PointState> points,
+                                                     unsigned threads) {
+  const GaussianRecords* const records = gaussiansOf(file);
+  if (!records || file.empty() || changedPoints(file, points) == 0) return file.storedAs.baggage;
+  return GaussianEdit(file, *records, points, threads).result();
+}
+
+std::shared_ptr<const GaussianRecords> movedGaussians(const GaussianRecords& records, const DQuat& rotation,
+                                                      const DVec3& from, const DVec3& to, unsigned threads) {
+  const GaussianColumns columns(records);
+  const GaussianMotion motion(rotation, from, to);
+  BareVector<std::byte> rows = records.rows;
+  parallelFor(records.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) columns.move(rows.data() + i * records.rowBytes, motion);
+  });
+  return std::make_shared<const GaussianRecords>(records.columns, std::move(rows));
+}
+
+}  // namespace palpate

@@ -1,0 +1,29 @@
+// The Gaussians of a scene whose surface was sculpted, cut or placed elsewhere.
+//
+// A Gaussian belongs to the nearest point of the surface. Within four spacings of it the Gaussian follows the point:
+// moves with it, rotates with the surface around it, is painted with it and removed with it. One that is farther from
+// the surface, as sky and haze are, is removed once most points of the surface are that are at most twice as far from
+// it as the nearest one, and otherwise stays as it is.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "engine/cloud/gaussian_records.hpp"
+#include "engine/core/point_state.hpp"
+
+namespace palpate {
+
+/// The Gaussians of `file` (null: none) with its points in the states `points` (as for editedCloud()): those that stay,
+/// in their order, and then those of new points. All that does not change is the same bit by bit; if nothing does, the
+/// result is the baggage of `file` itself. A new point has copies of the Gaussians that its ancestor in the file has,
+/// or, if it has none, of the nearest one; a copy is no wider than the spacing of the points. O(N log N) if anything
+/// has changed.
+std::shared_ptr<const FormatBaggage> editedGaussians(const PointCloud& file, std::span<const PointState> points,
+                                                     unsigned threads = 0);
+
+/// All Gaussians after a rigid motion.
+std::shared_ptr<const GaussianRecords> movedGaussians(const GaussianRecords& records, const DQuat& rotation,
+                                                      const DVec3& from, const DVec3& to, unsigned threads = 0);
+
+}  // namespace palpate
