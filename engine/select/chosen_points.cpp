@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/edited_gaussians.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/parallel.hpp"
 
@@ -48,6 +50,11 @@ PointCloud chosenPoints(const PointCloud& cloud, const PointSet& which, unsigned
           std::memcpy(carried.data.data() + i * sizeof(T), attribute.data.data() + numbers[i] * sizeof(T), sizeof(T));
       });
     });
+  }
+  if (gaussiansOf(cloud)) {
+    std::vector<PointState> points = statesOf(cloud);
+    for (PointState& point : points) point.gone = !which.test(point.number);
+    chosen.storedAs.baggage = editedGaussians(cloud, points, threads);
   }
   return chosen;
 }

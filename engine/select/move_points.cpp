@@ -5,8 +5,10 @@
 #include <glm/common.hpp>
 
 #include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/edited_gaussians.hpp"
 #include "engine/cloud/eigen3.hpp"
 #include "engine/cloud/file_coordinates.hpp"
+#include "engine/cloud/shortest_rotation.hpp"
 #include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/parallel.hpp"
@@ -98,10 +100,7 @@ std::optional<GroundPlane> findGround(const PointCloud& cloud, std::optional<UpA
 
 void rotateToZ(PointCloud& cloud, const DVec3& normal) {
   if (cloud.empty()) return;
-  const DVec3 z(0, 0, 1);
-  // Halfway vectors give the shortest rotation; opposite ones rotate about x.
-  const DQuat rotation =
-      normal.z > -1 + 1e-12 ? glm::normalize(DQuat(1 + normal.z, glm::cross(normal, z))) : DQuat(0, 1, 0, 0);
+  const DQuat rotation = shortestRotation(normal, DVec3(0, 0, 1));
   const DVec3 middle = fileBoundsOf(cloud).center();
   std::vector<DVec3> coordinates(cloud.size());
   parallelFor(cloud.size(), 0, [&](std::size_t begin, std::size_t end) {
@@ -111,6 +110,8 @@ void rotateToZ(PointCloud& cloud, const DVec3& normal) {
     }
   });
   movePoints(cloud, coordinates);
+  if (const GaussianRecords* const gaussians = gaussiansOf(cloud))
+    cloud.storedAs.baggage = movedGaussians(*gaussians, rotation, middle, middle);
 }
 
 }  // namespace palpate

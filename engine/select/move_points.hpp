@@ -22,7 +22,8 @@ struct GroundPlane {
 /// findUp(). Empty if no plane has a twentieth of the surface.
 std::optional<GroundPlane> findGround(const PointCloud& cloud, std::optional<UpAxis> up = {});
 
-/// Rotates a cloud about the middle of its box by the shortest rotation from `normal` to z, with its normals.
+/// Rotates a cloud about the middle of its box by the shortest rotation from `normal` to z, with its normals and
+/// Gaussians.
 void rotateToZ(PointCloud& cloud, const DVec3& normal);
 
 }  // namespace palpate

@@ -2,8 +2,10 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "engine/cloud/length_unit.hpp"
@@ -14,6 +16,7 @@
 #include "engine/select/cleaning.hpp"
 #include "engine/select/expression.hpp"
 #include "engine/select/field_rule.hpp"
+#include "engine/select/gaussian_centers.hpp"
 #include "engine/select/move_points.hpp"
 
 namespace palpate {
@@ -31,9 +34,10 @@ std::string conditionOf(const Corners& corners) {
 /// Does the steps, and keeps account of the points.
 class Preparer {
  public:
-  Preparer(PointCloud cloud, std::size_t steps, const FieldOptions& options,
+  /// `noun`: what the points are.
+  Preparer(PointCloud cloud, std::string_view noun, std::size_t steps, const FieldOptions& options,
            const std::function<void(const PreparedStep&)>& report)
-      : steps_(steps), options_(options), report_(report) {
+      : noun_(noun), steps_(steps), options_(options), report_(report) {
     result_.cloud = std::move(cloud);
     result_.numbers.resize(result_.cloud.size());
     std::iota(result_.numbers.begin(), result_.numbers.end(), 0u);
@@ -48,7 +52,7 @@ class Preparer {
       result_.cloud = chosenPoints(cloud(), which, options_.threads);
       result_.numbers = std::move(numbers);
     }
-    done(name, before, fmt::format("keeps {} of {}", cloud().size(), counted(before, "point")));
+    done(name, before, fmt::format("keeps {} of {}", cloud().size(), counted(before, noun_)));
   }
   void drop(std::string_view name, const PointSet& which) { keep(name, othersThan(which, cloud().size())); }
   void where(std::string_view name, std::string_view condition, bool holds = true) {
@@ -58,7 +62,7 @@ class Preparer {
   }
   void set(const std::string& rule) {
     const std::size_t count = applyRule("prepare.set", rule, result_.cloud, options_);
-    done("prepare.set", cloud().size(), fmt::format("\"{}\" sets {}", rule, counted(count, "point")));
+    done("prepare.set", cloud().size(), fmt::format("\"{}\" sets {}", rule, counted(count, noun_)));
   }
   void level() {
     const auto ground = findGround(cloud(), options_.up);
@@ -85,6 +89,7 @@ class Preparer {
     if (report_) report_(result_.steps.back());
   }
 
+  std::string_view noun_;
   std::size_t steps_;  // number of them
   const FieldOptions& options_;
   const std::function<void(const PreparedStep&)>& report_;
@@ -123,15 +128,17 @@ double mmPerUnit(const PointCloud& cloud, double given) {
   return ModelScale::fitting(coreBoundsOf(cloud).longestSide()).mm_per_unit;
 }
 
-PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
-                       const std::function<void(const PreparedStep&)>& report) {
+namespace {
+
+PreparedCloud preparedPoints(PointCloud cloud, std::string_view noun, const Preparation& preparation,
+                             const FieldOptions& options, const std::function<void(const PreparedStep&)>& report) {
   std::size_t steps = preparation.set.size();
   for (const bool isWanted :
        {preparation.crop.has_value(), preparation.cropOutside.has_value(), !preparation.where.empty(),
         preparation.dropDuplicates, preparation.outlierNeighbours > 0, preparation.radiusNeighbours > 0,
         preparation.subsample_mm > 0, preparation.random > 0, preparation.level})
     steps += isWanted ? 1 : 0;
-  Preparer preparer(std::move(cloud), steps, options, report);
+  Preparer preparer(std::move(cloud), noun, steps, options, report);
   const unsigned threads = options.threads;
   if (preparation.crop) preparer.where("prepare.crop", conditionOf(preparation.crop));
   if (preparation.cropOutside) preparer.where("prepare.crop_outside", conditionOf(preparation.cropOutside), false);
@@ -153,6 +160,27 @@ PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const F
   for (const std::string& rule : preparation.set) preparer.set(rule);
   if (preparation.level && !preparer.cloud().empty()) preparer.level();
   return preparer.result();
+}
+
+}  // namespace
+
+PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
+                       const std::function<void(const PreparedStep&)>& report) {
+  Preparation selecting = preparation;
+  selecting.level = false;
+  const GaussianRecords* const gaussians = gaussiansOf(cloud);
+  if (!gaussians || selecting == Preparation{})
+    return preparedPoints(std::move(cloud), "point", preparation, options, report);
+  const GaussianCenters centers = centersOf(*gaussians, options.threads);
+  PreparedCloud result = preparedPoints(centers.cloud, "Gaussian", selecting, options, report);
+  result.cloud = surfacePointsOf(changedGaussians(*gaussians, centers, result.cloud, result.numbers), cloud.storedAs,
+                                 options.threads);
+  result.numbers.clear();
+  if (!preparation.level) return result;
+  PreparedCloud level = preparedPoints(std::move(result.cloud), "point", {.level = true}, options, report);
+  result.cloud = std::move(level.cloud);
+  std::ranges::move(level.steps, std::back_inserter(result.steps));
+  return result;
 }
 
 }  // namespace palpate

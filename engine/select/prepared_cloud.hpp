@@ -26,7 +26,8 @@ struct PreparedStep {
 
 struct PreparedCloud {
   PointCloud cloud;
-  std::vector<std::uint32_t> numbers;  ///< for each point the one that it was
+  /// For each point the one that it was; empty if the steps were done to Gaussians.
+  std::vector<std::uint32_t> numbers;
   std::vector<PreparedStep> steps;
 };
 
@@ -34,8 +35,10 @@ struct PreparedCloud {
 /// of its unit of length; else the touch scale, by which the longest side of coreBoundsOf() is 100 mm.
 double mmPerUnit(const PointCloud& cloud, double given);
 
-/// `report` is called after each step, and may throw. Points that stay keep all that no step sets, bit by bit. Throws
-/// ExpressionError, Error and Stopped.
+/// In a splat scene the steps are done to the Gaussians, whose columns are fields (`opacity > 0`), and the points are
+/// the surface of those that stay; only levelling looks for the ground in the surface. `report` is called after each
+/// step, and may throw. Points that stay keep all that no step sets, bit by bit. Throws ExpressionError, Error and
+/// Stopped.
 PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
                        const std::function<void(const PreparedStep&)>& report = {});
 

@@ -1,4 +1,5 @@
 // The C interface: clouds whose points are selected, cleaned and measured.
+#include "engine/cloud/gaussian_records.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/select/chosen_points.hpp"
 #include "engine/select/expression.hpp"
@@ -41,12 +42,20 @@ pp_status pp_cloud_prepare(pp_cloud cloud, const pp_prepare_options* options, ui
     const Preparation preparation = given.steps ? parsePreparation(given.steps) : Preparation{};
     Watch watch(given.watch);
     PreparedCloud prepared;
-    watch.runCut([&] { prepared = palpate::prepared(found->cloud, preparation, fieldOptions(found->cloud, given)); });
+    const auto prepare = [&](PointCloud from) {
+      const FieldOptions fields = fieldOptions(from, given);
+      watch.runCut([&] { prepared = palpate::prepared(std::move(from), preparation, fields); });
+    };
+    const bool hasGaussians = gaussiansOf(found->cloud) != nullptr;
     if (kept) {
+      PointCloud points = found->cloud;
+      forgetGaussians(points);  // a mask is of points
+      prepare(std::move(points));
       std::fill_n(kept, count, std::uint8_t{0});
       for (const std::uint32_t point : prepared.numbers) kept[point] = 1;
     }
     if (!result) return;
+    if (!kept || hasGaussians) prepare(found->cloud);
     ModelConfig source = found->source;
     const bool repeats = !source.prepare && !given.up && given.mm_per_unit == 0;
     if (repeats && preparation != Preparation{}) source.prepare = preparation;

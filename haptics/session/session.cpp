@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/gaussian_records.hpp"
 #include "engine/core/job_stop.hpp"
 #include "haptics/session/hiding_touch.hpp"
 #include "haptics/session/recorded_contacts.hpp"
@@ -283,6 +284,7 @@ SculptedCloud Session::sculpted() const {
     sculpted.edited = changedPoints(model().cloud, points);
     return sculpted;
   }
+  if (config_.moves() || isMoved_) forgetGaussians(sculpted.cloud);  // they do not follow the frames
   sculpted.edited = backend_->readBack(sculpted.cloud);
   if (!model().far() || model().far()->moves()) return sculpted;
   sculpted.remark =

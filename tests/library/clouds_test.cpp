@@ -6,6 +6,7 @@
 #include <limits>
 #include <thread>
 
+#include "tests/content_of.hpp"
 #include "tests/library/ball.hpp"
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
@@ -196,6 +197,50 @@ TEST_CASE("additional attributes of a file are listed and can be read") {
   CHECK(static_cast<const std::uint16_t*>(attribute.data)[1] == 60000);
   CHECK(pp_cloud_get_attribute(cloud, 1, &attribute) == PP_ERROR_ARGUMENT);
   PP_CHECK_OK(pp_cloud_close(cloud));
+}
+
+TEST_CASE("a splat scene stays one: its Gaussians are prepared, and a mask is of the points of their surface") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "scene.ply").string(), copy = (folder / "copy.ply").string();
+  std::string head = "ply\nformat ascii 1.0\n", rows;
+  for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
+                           "rot_0", "rot_1", "rot_2", "rot_3", "f_rest_0"})
+    rows += std::string("property float ") + name + "\n";
+  rows += "end_header\n";
+  std::size_t right = 0;
+  for (int i = 0; i < 400; ++i) {
+    const int x = i % 20;
+    right += x > 9 ? 1 : 0;
+    rows += std::to_string(x) + " " + std::to_string(i / 20) + " 0 1 0 -1 2 -0.25 -0.25 -1 1 0 0 0 0." +
+            std::to_string(1000 + i) + "1\n";
+  }
+  std::ofstream(file) << head + "element vertex 400\n" + rows;
+  const auto written = [&](pp_cloud cloud) {
+    pp_write_options options = pp_default_write_options();
+    options.ascii = 1;
+    PP_REQUIRE_OK(pp_cloud_write(cloud, copy.c_str(), &options));
+    return contentOf(copy);
+  };
+  pp_cloud cloud{}, part{}, chosen{};
+  PP_REQUIRE_OK(pp_cloud_read(file.c_str(), nullptr, &cloud));
+  CHECK(written(cloud).ends_with(rows));
+  pp_points points{};
+  PP_REQUIRE_OK(pp_cloud_view(cloud, &points));
+  CHECK(points.count != 400);
+  std::vector<std::uint8_t> kept(points.count);
+  pp_prepare_options prepare = pp_default_prepare_options();
+  prepare.steps = R"({"where": "x > 9.5"})";
+  PP_REQUIRE_OK(pp_cloud_prepare(cloud, &prepare, kept.data(), kept.size(), &part));
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    CHECK((kept[i] != 0) == (static_cast<double>(points.positions[3 * i]) + points.origin[0] > 9.5));
+  const auto count = [](const std::string& text) {
+    return std::ranges::count(text.substr(text.find("end_header")), '\n') - 1;
+  };
+  CHECK(static_cast<std::size_t>(count(written(part))) == right);
+  PP_REQUIRE_OK(pp_cloud_choose(cloud, kept.data(), kept.size(), &chosen));
+  CHECK(std::abs(count(written(chosen)) - static_cast<long>(right)) <=
+        20);  // a column, whose nearest points are on both sides
+  for (const pp_cloud each : {cloud, part, chosen}) PP_CHECK_OK(pp_cloud_close(each));
 }
 
 TEST_CASE("each thread has the message of its own last failure") {
