@@ -12,6 +12,7 @@
 #include "apps/cli/progress.hpp"
 #include "apps/cli/setting_options.hpp"
 #include "apps/cli/sharing_options.hpp"
+#include "engine/cloud/gaussian_records.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/core/counted.hpp"
@@ -35,7 +36,7 @@ struct ConvertOptions {
   std::string folder, ending;     ///< of the outputs of many inputs; empty: one input; as the input has it
   PrepareOptions prepare;
   std::string up;
-  bool ascii = false, dropsUnreliable = false;
+  bool ascii = false, dropsUnreliable = false, surface = false;
   ScaleOptions scale;
   StreamConfig stream;  ///< intrinsics and depth scale
   std::int64_t samples = 0;
@@ -165,6 +166,10 @@ Json convertOne(Context& context, const ConvertOptions& options) {
     throw Error("{}: contains no points{}{}; nothing is written", options.input, stored.lost.empty() ? "" : ", but ",
                 fmt::join(stored.lost, ", "));
   const Json steps = prepare(context, options, stored);
+  if (options.surface && gaussiansOf(stored.cloud)) {
+    stored.lost.push_back(stored.cloud.storedAs.baggage->sentence);
+    forgetGaussians(stored.cloud);
+  }
   std::vector<std::string> lost = lostOnTheWay(stored, to);
   if (!stored.leftOut.empty()) lost.push_back(stored.leftOut + " (--drop-unreliable)");
   const std::vector<std::string> kept = keptOnTheWay(stored, to);
@@ -182,7 +187,10 @@ Json convertOne(Context& context, const ConvertOptions& options) {
             .triangles = stored.triangles.empty() ? nullptr : &stored.triangles,
             .keptAs = replaces ? &keptAs : nullptr});
   if (!keptAs.empty()) context.log().say("{}: the existing file is kept as {}", options.output, keptAs.string());
-  context.log().say("{}: {} with {}", options.output, counted(stored.cloud.size(), "point"), fmt::join(kept, ", "));
+  const GaussianRecords* const gaussians = keepsBaggage(to, stored.cloud) ? gaussiansOf(stored.cloud) : nullptr;
+  context.log().say("{}: {} with {}", options.output,
+                    gaussians ? gaussiansInWords(*gaussians) : counted(stored.cloud.size(), "point"),
+                    fmt::join(kept, ", "));
   Json result{{"input", options.input},
               {"output", options.output},
               {"from", input.format},
@@ -192,6 +200,7 @@ Json convertOne(Context& context, const ConvertOptions& options) {
               {"kept", kept},
               {"lost", lost}};
   for (const auto& [name, count] : input.counts) result[name] = count;
+  if (gaussians) result["gaussians"] = gaussians->size();
   if (steps.size() > 0) result["steps"] = steps;
   return result;
 }
@@ -290,6 +299,8 @@ void addConvert(Options& app, Context& context, Command& command) {
   addSetting(sub, options->stream, "depth_scale").describe("depth values per metre (default: that of the folder)");
   sub.addFlag("--drop-unreliable", options->dropsUnreliable,
               "COLMAP: drop unreliable points, as touch does without --keep-unreliable");
+  sub.addFlag("--surface", options->surface,
+              "splats: write the points of their surface, also to PLY, which otherwise keeps the Gaussians");
   addScaleOptions(sub, options->scale);
   sub.add("--unit", options->unit,
           "unit of length that OUT states: mm, cm, m, in or ft; coordinates are not scaled (default: the unit that IN "
@@ -302,7 +313,9 @@ void addConvert(Options& app, Context& context, Command& command) {
   sub.addFlag("--ascii", options->ascii, "write ASCII in place of binary little-endian");
   sub.footer(
       "The order of points, the precision of coordinates and unknown properties are preserved. A "
-      "folder of depth frames is fused into one cloud in metres. Faces are written as triangles. A "
+      "folder of depth frames is fused into one cloud in metres. A splat scene stays one in PLY: what is selected, "
+      "cleaned, set or levelled are its Gaussians, by their own columns (opacity > 0), and all others keep every "
+      "property bit by bit. Faces are written as triangles. A "
       "scale is written as a comment that touch and view read; coordinates are not scaled. Losses "
       "in OUT are reported before it is written.\n");
   sub.whenNamed([&, options] {

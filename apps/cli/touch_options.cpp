@@ -51,8 +51,8 @@ void addOutputOptions(Options& sub, TouchCommandOptions& options) {
       .typeName("IMG.png")
       .writes(Writes::replacing);
   sub.add("--save", options.saveFile,
-          "write the edited points with all their properties; faces and other elements are dropped. An "
-          "existing file is kept as OUT.ply.bak")
+          "write the edited points with all their properties; faces and other elements are dropped. PLY keeps the "
+          "Gaussians of a splat scene. An existing file is kept as OUT.ply.bak")
       .typeName("OUT.ply")
       .writes(Writes::keeping);
   sub.add("--log", options.logFile,

@@ -95,13 +95,14 @@ TEST_CASE("a scene of Gaussians is described, converted, felt and sculpted, and 
   const std::string before = contentOf(scene), json = (folder / "a.json").string();
   works("info " + scene.string() + " --json " + json);
   CHECK(jsonOf(json)["format"] == "3DGS");
-  CHECK(jsonOf(json)["made_from"] == "6000 Gaussians of degree 0; the points are those of their surface");
+  CHECK(jsonOf(json)["made_from"] ==
+        "a splat scene of 6000 Gaussians of degree 0; the points are those of their surface");
   CHECK(jsonOf(json)["elements"]["Gaussian"] == 6000);
   CHECK(jsonOf(json)["normals"] == true);
   CHECK(jsonOf(json)["colors"] == true);
 
   const std::string out = (folder / "out.ply").string();
-  checkEnds(0, "convert " + scene.string() + " " + out + " --json " + json, {"3000 faint"});
+  checkEnds(0, "convert " + scene.string() + " " + out + " --surface --json " + json, {"3000 faint"});
   CHECK(jsonOf(json)["from"] == "3DGS");
   CHECK(jsonOf(json)["kept"] == std::vector<std::string>{"positions", "normals", "colours"});
   works("info " + out + " --json " + json);
