@@ -7,8 +7,8 @@
 #include <unordered_map>
 
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/cloud/eigen3.hpp"
 #include "engine/cloud/gaussian_columns.hpp"
+#include "engine/cloud/nearest_similarity.hpp"
 #include "engine/cloud/point_tree.hpp"
 #include "engine/cloud/shortest_rotation.hpp"
 #include "engine/cloud/spacing.hpp"
@@ -91,53 +91,39 @@ class GaussianEdit {
 
   void follow(std::uint32_t point, std::byte* row) const {
     const PointState& state = points_[point];
-    if (state.position != file_.positions[point])
-      columns_.move(row, alongWith(row, inFile(point), present(point), rotationAt(point)));
+    if (hasMoved(point)) columns_.move(row, motionAt(point, columns_.center(row)));
     if (state.color != packedColor(file_, point)) columns_.paint(row, unpackedColor(state.color));
   }
 
-  /// A Gaussian rotates about its own centre: one off the surface would swing far about the point.
-  GaussianMotion alongWith(const std::byte* row, const DVec3& from, const DVec3& to, const DQuat& rotation) const {
-    const DVec3 center = columns_.center(row);
-    return {rotation, center, center + (to - from)};
-  }
+  bool hasMoved(std::uint32_t point) const { return points_[point].position != file_.positions[point]; }
 
-  /// How the surface around a point has rotated: from the plane of its neighbours in the file to that of the same
-  /// neighbours at present, so that what an estimate of normals gets wrong is wrong in both.
-  DQuat rotationAt(std::uint32_t point) const {
+  /// How a Gaussian moves with its point: as the neighbours that have moved, if these keep their shape. Else it moves
+  /// as the point, and rotates about its own centre, since one off the surface would swing far about the point.
+  GaussianMotion motionAt(std::uint32_t point, const DVec3& center) const {
     constexpr std::size_t kNeighbours = 12, kFewest = 5;
     constexpr float kSameSide = 0.5f;
-    constexpr double kTrusted = 0.7;  // cosines
+    constexpr double kSameShape = 1e-3, kSameSize = 0.01;  // a brush that bends a surface hardly scales it
     std::array<std::uint32_t, kNeighbours> near;
     std::array<double, kNeighbours> squared;
-    std::size_t count = tree_.nearest(file_.positions[point], near, squared);
-    const auto isUsed = [&](std::uint32_t other) {
-      return !points_[other].gone && glm::dot(file_.normals[other], file_.normals[point]) > kSameSide;
-    };
-    count = static_cast<std::size_t>(std::remove_if(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count),
-                                                    [&](std::uint32_t other) { return !isUsed(other); }) -
-                                     near.begin());
-    const DVec3 normalBefore(file_.normals[point]), normalNow(points_[point].normal);
-    if (count >= kFewest) {
-      const std::span<const std::uint32_t> used(near.data(), count);
-      const DVec3 before = planeOf(
-          used, [&](std::uint32_t i) { return inFile(i); }, normalBefore);
-      const DVec3 now = planeOf(
-          used, [&](std::uint32_t i) { return present(i); }, normalNow);
-      if (glm::dot(before, normalBefore) > kTrusted && glm::dot(now, normalNow) > kTrusted)
-        return shortestRotation(before, now);
+    const std::size_t count = tree_.nearest(file_.positions[point], near, squared);
+    std::vector<DVec3> before, now;
+    for (const std::uint32_t other : std::span(near).first(count)) {
+      const bool isSameSide = glm::dot(file_.normals[other], file_.normals[point]) > kSameSide;
+      if (points_[other].gone || !hasMoved(other) || !isSameSide) continue;
+      before.push_back(inFile(other)), now.push_back(present(other));
     }
-    return shortestRotation(glm::normalize(normalBefore), glm::normalize(normalNow));
+    if (before.size() < kFewest) return alongWith(center, point, points_[point]);
+    const Similarity fit = nearestSimilarity(before, now);
+    const double scale = std::abs(fit.scale - 1) > kSameSize ? fit.scale : 1;
+    if (fit.misfit < kSameShape) return {fit.rotation, inFile(point), present(point), scale};
+    return {fit.rotation, center, center + (present(point) - inFile(point))};
   }
 
-  template <class Position>
-  static DVec3 planeOf(std::span<const std::uint32_t> points, Position&& position, const DVec3& facing) {
-    DVec3 middle(0);
-    for (const std::uint32_t point : points) middle += position(point) / static_cast<double>(points.size());
-    SymmetricMatrix3 spread;
-    for (const std::uint32_t point : points) spread.addSquare(position(point) - middle);
-    const DVec3 normal = eigenSymmetric(spread).vectors[0];
-    return glm::dot(normal, facing) < 0 ? -normal : normal;
+  /// From a point of the file to a state, with the normal.
+  GaussianMotion alongWith(const DVec3& center, std::uint32_t point, const PointState& to) const {
+    const DQuat rotation =
+        shortestRotation(glm::normalize(DVec3(file_.normals[point])), glm::normalize(DVec3(to.normal)));
+    return {rotation, center, center + (DVec3(to.position) - DVec3(file_.positions[point]))};
   }
 
   void appendNew(BareVector<std::byte>& rows) const {
@@ -152,12 +138,10 @@ class GaussianEdit {
     for (std::size_t i = file_.size(); i < points_.size(); ++i) {
       if (points_[i].gone) continue;
       const auto ancestor = static_cast<std::uint32_t>(ancestorOf(points_, i, file_.size()));
-      const DQuat rotation =
-          shortestRotation(glm::normalize(DVec3(file_.normals[ancestor])), glm::normalize(DVec3(points_[i].normal)));
       for (const std::size_t gaussian : copied.at(ancestor)) {
         rows.insert(rows.end(), records_.row(gaussian), records_.row(gaussian) + records_.rowBytes);
         std::byte* const row = rows.data() + rows.size() - records_.rowBytes;
-        columns_.move(row, alongWith(row, inFile(ancestor), present(i), rotation));
+        columns_.move(row, alongWith(columns_.center(row), ancestor, points_[i]));
         const Vec3 logs = columns_.logScales(row);
         const double excess = static_cast<double>(std::max({logs.x, logs.y, logs.z})) - std::log(spacing_);
         if (excess > 0) columns_.scale(row, -excess);

@@ -9,15 +9,15 @@ namespace palpate {
 
 namespace {
 
-constexpr float kFlat = -100;  // logarithm of a deviation of zero
-constexpr double kNegligible_rad = 1e-4;
+constexpr float kFlat = -100;         // logarithm of a deviation of zero
+constexpr double kNegligible = 1e-4;  // rad, and of scales
 
 }  // namespace
 
-GaussianMotion::GaussianMotion(const DQuat& rotation, const DVec3& from, const DVec3& to)
-    : rotation_(rotation), from_(from), to_(to) {
+GaussianMotion::GaussianMotion(const DQuat& rotation, const DVec3& from, const DVec3& to, double scale)
+    : rotation_(rotation), from_(from), to_(to), scale_(std::abs(scale - 1) > kNegligible ? scale : 1) {
   const double sine = glm::length(DVec3(rotation.x, rotation.y, rotation.z));
-  if (2 * std::asin(std::min(sine, 1.0)) > kNegligible_rad) harmonics_.emplace(rotation);
+  if (2 * std::asin(std::min(sine, 1.0)) > kNegligible) harmonics_.emplace(rotation);
 }
 
 GaussianColumns::GaussianColumns(const GaussianRecords& records) {
@@ -65,6 +65,7 @@ void GaussianColumns::setCenter(std::byte* row, const DVec3& center) const { set
 
 void GaussianColumns::move(std::byte* row, const GaussianMotion& motion) const {
   setCenter(row, motion(center(row)));
+  if (motion.scale() != 1) scale(row, std::log(motion.scale()));
   if (!motion.isRotated()) return;
   const DVec4 had = rotation(row);
   const DQuat q = motion.rotation() * DQuat(had[0], had[1], had[2], had[3]);

@@ -12,22 +12,26 @@ namespace palpate {
 
 inline constexpr std::string_view kRestName = "f_rest_";
 
-/// A rigid motion: position = to + rotation * (position - from).
+/// position = to + scale * rotation * (position - from).
 class GaussianMotion {
  public:
-  GaussianMotion(const DQuat& rotation, const DVec3& from, const DVec3& to);
+  GaussianMotion(const DQuat& rotation, const DVec3& from, const DVec3& to, double scale = 1);
 
   DVec3 operator()(const DVec3& position) const {
-    return isRotated() ? to_ + rotation_ * (position - from_) : position + (to_ - from_);
+    if (!isRotated() && scale_ == 1) return position + (to_ - from_);
+    return to_ + scale_ * (rotation_ * (position - from_));
   }
-  /// Rotations below 1e-4 rad are negligible: quaternions and harmonics then stay as they are, bit by bit.
+  /// Rotations below 1e-4 rad are negligible, and scales as near to 1: quaternions, harmonics and sizes then stay as
+  /// they are, bit by bit.
   bool isRotated() const { return harmonics_.has_value(); }
   const DQuat& rotation() const { return rotation_; }
   const HarmonicRotation& harmonics() const { return *harmonics_; }
+  double scale() const { return scale_; }
 
  private:
   DQuat rotation_;
   DVec3 from_, to_;
+  double scale_;
   std::optional<HarmonicRotation> harmonics_;
 };
 
@@ -44,7 +48,7 @@ class GaussianColumns {
   DVec3 color(const std::byte* row) const { return three(color_, row); }  ///< harmonic of degree 0
 
   void setCenter(std::byte* row, const DVec3& center) const;
-  /// Moves and rotates it, with its normal, if it has one, and its colours by direction.
+  /// Moves, rotates and scales it, with its normal, if it has one, and its colours by direction.
   void move(std::byte* row, const GaussianMotion& motion) const;
   /// Makes it larger by e^log.
   void scale(std::byte* row, double log) const;
