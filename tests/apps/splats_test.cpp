@@ -117,13 +117,6 @@ TEST_CASE("paint changes only the colours of Gaussians, and carve removes some a
     if (!rows.contains(carved.rows[i])) CHECK(carved.center(i).z > 5);
 }
 
-TEST_CASE("a splat scene that moves is saved as the points of its present frame") {
-  const Splats splats(0);
-  works("touch " + splats.name("scene.ply") + " --backend cpu --motion oscillate --path " + splats.name("path.csv") +
-        " --save " + splats.name("moved.ply"));
-  CHECK(cloudFormats().toRead(splats.folder / "moved.ply").name == "PLY");
-}
-
 TEST_CASE("a trained scene is cropped and pushed, and keeps all other Gaussians byte for byte") {
   const std::filesystem::path model = sharedFile("gaussians_9080.ply");
   if (model.empty()) return;

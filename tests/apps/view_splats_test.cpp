@@ -118,4 +118,15 @@ TEST_CASE("a splat scene is saved in its own file after a question, as splats") 
   CHECK(saved.rows != scene.rows);
 }
 
+TEST_CASE("a splat scene that moves is saved as the points of its present frame") {
+  if (!hasDisplay()) return;
+  const auto played = playWell(
+      "%/scene.ply --size 480x360 --rate 250 --motion oscillate --backend cpu",
+      [](const auto& folder) { std::ofstream(folder / "scene.ply", std::ios::binary) << splatBall(0, 500).bytes(); },
+      "0.5 save %/moved.ply\n1.2 quit\n");
+  const SplatFile moved = parsedSplats(contentOf(played->folder / "moved.ply"));
+  REQUIRE(moved.names.size() > 5);
+  CHECK(std::ranges::find(moved.names, "scale_0") == moved.names.end());
+}
+
 }  // namespace palpate::test::view_splats_test

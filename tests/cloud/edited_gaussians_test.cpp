@@ -257,7 +257,14 @@ TEST_CASE("paint changes the colour of degree 0 alone, to that of the point") {
 
 TEST_CASE("a new point has the Gaussians of its ancestor, no wider than the spacing, behind all others") {
   Scene scene(splatBall(1, 1000));
-  const std::uint64_t count = scene.points.size(), parent = 17;
+  std::size_t wide = 0;  // of all that are felt
+  for (std::size_t i = 0; i < 1000; ++i)
+    if (scene.file.at(i, "scale_0") > scene.file.at(wide, "scale_0")) wide = i;
+  const auto distance = [&](const PointState& point) {
+    return glm::distance(scene.file.center(wide), scene.cloud.origin + DVec3(point.position));
+  };
+  const std::uint64_t count = scene.points.size(),
+                      parent = std::ranges::min_element(scene.points, {}, distance)->number;
   PointState fresh = scene.points[parent];
   fresh.number = count, fresh.parent = parent;
   fresh.position += Vec3(0, 0, 0.5);
