@@ -151,6 +151,18 @@ Json prepare(Context& context, const ConvertOptions& options, StoredCloud& store
   return steps;
 }
 
+// The Gaussians that the output will have; null: none.
+const GaussianRecords* keptGaussians(const ConvertOptions& options, const CloudFormat& to, const PointCloud& cloud) {
+  return !options.surface && keepsBaggage(to, cloud) ? gaussiansOf(cloud) : nullptr;
+}
+
+void requireContents(const ConvertOptions& options, const CloudFormat& to, const StoredCloud& stored) {
+  const GaussianRecords* const gaussians = keptGaussians(options, to, stored.cloud);
+  if (!stored.cloud.empty() || (gaussians && gaussians->size() > 0)) return;
+  throw Error("{}: contains no points{}{}; nothing is written", options.input, stored.lost.empty() ? "" : ", but ",
+              fmt::join(stored.lost, ", "));
+}
+
 Json convertOne(Context& context, const ConvertOptions& options) {
   // Errors of the input are reported before those of an existing output.
   checkRosHearing(options.network, options.input);
@@ -162,10 +174,9 @@ Json convertOne(Context& context, const ConvertOptions& options) {
   checkOutput(options.output, Output::copy);
   ConvertInput input = readInput(context, options, to);
   StoredCloud& stored = input.stored;
-  if (stored.cloud.empty())
-    throw Error("{}: contains no points{}{}; nothing is written", options.input, stored.lost.empty() ? "" : ", but ",
-                fmt::join(stored.lost, ", "));
+  requireContents(options, to, stored);
   const Json steps = prepare(context, options, stored);
+  requireContents(options, to, stored);
   if (options.surface && gaussiansOf(stored.cloud)) {
     stored.lost.push_back(stored.cloud.storedAs.baggage->sentence);
     forgetGaussians(stored.cloud);
@@ -187,7 +198,7 @@ Json convertOne(Context& context, const ConvertOptions& options) {
             .triangles = stored.triangles.empty() ? nullptr : &stored.triangles,
             .keptAs = replaces ? &keptAs : nullptr});
   if (!keptAs.empty()) context.log().say("{}: the existing file is kept as {}", options.output, keptAs.string());
-  const GaussianRecords* const gaussians = keepsBaggage(to, stored.cloud) ? gaussiansOf(stored.cloud) : nullptr;
+  const GaussianRecords* const gaussians = keptGaussians(options, to, stored.cloud);
   context.log().say("{}: {} with {}", options.output,
                     gaussians ? gaussiansInWords(*gaussians) : counted(stored.cloud.size(), "point"),
                     fmt::join(kept, ", "));

@@ -70,6 +70,13 @@ TEST_CASE("convert keeps a splat scene in PLY, crops its Gaussians, and says wha
   CHECK(cloudFormats().toRead(splats.folder / "surface.ply").name == "PLY");
   checkEnds(1, convert + splats.name("none.ply") + " --where 'opacity > 100'", {"nothing is left"});
   CHECK_FALSE(std::filesystem::exists(splats.folder / "none.ply"));
+  // Gaussians that cannot be seen are kept, too, but have no points.
+  works(convert + splats.name("faint.ply") + " --where 'opacity < -3'");
+  works("convert " + splats.name("faint.ply") + " " + splats.name("again.ply"));
+  CHECK_FALSE(splats.saved("again.ply").rows.empty());
+  CHECK(splats.saved("again.ply").rows == splats.saved("faint.ply").rows);
+  checkEnds(1, "convert " + splats.name("faint.ply") + " " + splats.name("faint.las"), {"contains no points"});
+  checkEnds(1, convert + splats.name("faint.las") + " --where 'opacity < -3'", {"contains no points"});
 }
 
 TEST_CASE("a push moves the Gaussians under it, and undoing it gives the scene back byte by byte") {
@@ -95,6 +102,14 @@ TEST_CASE("a push moves the Gaussians under it, and undoing it gives the scene b
     const std::string body = splats.file.bytes();
     CHECK(undone.ends_with(body.substr(body.find("element vertex"))));
   }
+}
+
+TEST_CASE("a recorded session gives the Gaussians that it saved") {
+  const Splats splats(2);
+  splats.touched("--edit push --log " + splats.name("session"));
+  works("replay " + splats.name("session") + " --recover --save " + splats.name("recovered.ply"));
+  CHECK(splats.saved("recovered.ply").rows == splats.saved("touched.ply").rows);
+  CHECK(splats.saved("recovered.ply").rows != splats.file.rows);
 }
 
 TEST_CASE("paint changes only the colours of Gaussians, and carve removes some and leaves the others") {

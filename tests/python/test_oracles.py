@@ -109,3 +109,31 @@ def test_splat_transform_reads_the_same_gaussians(tmp_path, splat_transform):
     axis = np.column_stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
     assert np.abs(np.abs((axis * cloud.normals).sum(1)) - 1).max() < 1e-5
     assert (rows["scale_2"] < rows["scale_0"] - 1).all() and np.array_equal(rows["scale_0"], rows["scale_1"])
+
+
+def test_splat_transform_rotates_harmonics_and_levelling_rotates_them_back(tmp_path, splat_transform):
+    random = np.random.default_rng(2)
+    names = [*"xyz", "f_dc_0", "f_dc_1", "f_dc_2", *(f"f_rest_{k}" for k in range(45)), "opacity",
+             "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"]
+    flat = np.zeros(2400, [(name, "<f4") for name in names])
+    flat["x"], flat["y"] = np.arange(2400) % 40 - 20, np.arange(2400) // 40 - 30
+    for name in names[3:51]:
+        flat[name] = random.normal(0, 0.3, 2400)
+    flat["opacity"], flat["scale_0"], flat["scale_1"], flat["scale_2"], flat["rot_0"] = 3, -0.3, -0.5, -1.6, 1
+
+    def read(file):
+        head, body = file.read_bytes().split(b"end_header\n", 1)
+        of_file = [line.split()[-1] for line in head.decode().splitlines() if line.startswith("property")]
+        return np.frombuffer(body, [(name, "<f4") for name in of_file])
+
+    head = "".join(f"property float {name}\n" for name in names)
+    (tmp_path / "flat.ply").write_bytes(
+        f"ply\nformat binary_little_endian 1.0\nelement vertex 2400\n{head}end_header\n".encode() + flat.tobytes())
+    command = ["node", splat_transform, "-w", tmp_path / "flat.ply", "-r", "20,0,0", tmp_path / "tilted.ply"]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
+    pp.write(tmp_path / "level.ply", pp.read(tmp_path / "tilted.ply").prepared(level=True, up="z"))
+    sorts = [np.argsort(rows["f_dc_0"]) for rows in (flat, read(tmp_path / "tilted.ply"), read(tmp_path / "level.ply"))]
+    flat, tilted, level = flat[sorts[0]], read(tmp_path / "tilted.ply")[sorts[1]], read(tmp_path / "level.ply")[sorts[2]]
+    off = [max(np.abs(rows[name] - flat[name]).max() for name in names[6:51]) for rows in (tilted, level)]
+    assert off[0] > 0.5  # rotated
+    assert off[1] < 1e-3  # and back, as far as the plane is found
