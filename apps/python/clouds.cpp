@@ -308,13 +308,16 @@ void bindCloud(py::module_& module) {
           "outlier_neighbours and outlier_sigma, radius_neighbours and radius_mm, subsample_mm, random (points) and\n"
           "seed, set (a list of rules, as 'uint8 label = 3 if z > 2'), level (the ground); as the section prepare of "
           "the\n"
-          "reference describes them. mm_per_unit and up: as for field(). The cloud may be empty.")
+          "reference describes them. mm_per_unit and up: as for field(). The cloud may be empty. In a splat scene the\n"
+          "steps are done to the Gaussians, whose columns are fields, as in 'opacity > 0'; a mask of select() is of "
+          "the\n"
+          "points of their surface.")
       .def("__reduce__", [](const py::object& self) { return helper("reduced")(self); })
       .def("_repr_png_", [](const py::object& self) { return helper("picture")(self); })
       .def_property_readonly(
           "lost", [](const PyCloud& cloud) { return cloud.lost(); },
           "What of its file the cloud does not keep, one line each; empty for a cloud of arrays. A pickled\n"
-          "cloud keeps everything but these lines.")
+          "cloud keeps everything but these lines and the Gaussians of a splat scene.")
       .def_property_readonly(
           "xyz", &placesOf,
           "(N, 3), file coordinates: float64. For a cloud made of float32 a float32 view, while origin is\n"

@@ -71,8 +71,9 @@ typedef struct pp_write_options {
 PP_OPTIONS(write_options)
 /** Writes a cloud in the format of the file's extension, one of pp_formats_written(). The file appears under its name
  * only when it is complete. What the format cannot hold is not written: text without names (.pts) has positions,
- * colours and intensity alone; `palpate convert` names what is lost. Options may be null. PP_ERROR_FILE if it cannot be
- * written. */
+ * colours and intensity alone; `palpate convert` names what is lost. The points of a splat scene are the surface of its
+ * Gaussians, which PLY has in their place: those that were not changed bit by bit. Options may be null. PP_ERROR_FILE
+ * if it cannot be written. */
 PP_API pp_status pp_cloud_write(pp_cloud cloud, const char* file, const pp_write_options* options);
 /** Extensions of files, and kinds of folders, that can be read: ".ply, .las, …" */
 PP_API const char* pp_formats_read(void);
@@ -119,8 +120,9 @@ typedef struct pp_prepare_options {
 PP_OPTIONS(prepare_options)
 /** Selects and cleans the points of a cloud, and sets fields. `kept`: receives 1 for each of the `count` points of the
  * cloud that stay, else 0; null: not wanted. `result`: receives them as a cloud, which may be empty; null: not wanted.
- * Points keep all that no step sets, bit by bit. PP_ERROR_ARGUMENT for invalid settings and expressions, with the
- * column. */
+ * Points keep all that no step sets, bit by bit. The result of a splat scene is made by doing the steps to its
+ * Gaussians, whose columns are fields; `kept` by doing them to the points. PP_ERROR_ARGUMENT for invalid settings and
+ * expressions, with the column. */
 PP_API pp_status pp_cloud_prepare(pp_cloud cloud, const pp_prepare_options* options, uint8_t* kept, uint64_t count,
                                   pp_cloud* result);
 /** The points of a cloud whose entry in `mask` is not 0, with all that they have. `count` must be the number of points
