@@ -98,7 +98,7 @@ class GaussianEdit {
   bool hasMoved(std::uint32_t point) const { return points_[point].position != file_.positions[point]; }
 
   /// How a Gaussian moves with its point: as the neighbours that have moved, if these keep their shape. Else it moves
-  /// as the point, and rotates about its own centre, since one off the surface would swing far about the point.
+  /// as the point, and rotates as all neighbours do, but about its own centre: one off the surface would swing far.
   GaussianMotion motionAt(std::uint32_t point, const DVec3& center) const {
     constexpr std::size_t kNeighbours = 12, kFewest = 5;
     constexpr float kSameSide = 0.5f;
@@ -106,17 +106,20 @@ class GaussianEdit {
     std::array<std::uint32_t, kNeighbours> near;
     std::array<double, kNeighbours> squared;
     const std::size_t count = tree_.nearest(file_.positions[point], near, squared);
-    std::vector<DVec3> before, now;
+    std::vector<DVec3> before, now, movedBefore, movedNow;
     for (const std::uint32_t other : std::span(near).first(count)) {
       const bool isSameSide = glm::dot(file_.normals[other], file_.normals[point]) > kSameSide;
-      if (points_[other].gone || !hasMoved(other) || !isSameSide) continue;
+      if (points_[other].gone || !isSameSide) continue;
       before.push_back(inFile(other)), now.push_back(present(other));
+      if (hasMoved(other)) movedBefore.push_back(inFile(other)), movedNow.push_back(present(other));
+    }
+    if (movedBefore.size() >= kFewest) {
+      const Similarity fit = nearestSimilarity(movedBefore, movedNow);
+      const double scale = std::abs(fit.scale - 1) > kSameSize ? fit.scale : 1;
+      if (fit.misfit < kSameShape) return {fit.rotation, inFile(point), present(point), scale};
     }
     if (before.size() < kFewest) return alongWith(center, point, points_[point]);
-    const Similarity fit = nearestSimilarity(before, now);
-    const double scale = std::abs(fit.scale - 1) > kSameSize ? fit.scale : 1;
-    if (fit.misfit < kSameShape) return {fit.rotation, inFile(point), present(point), scale};
-    return {fit.rotation, center, center + (present(point) - inFile(point))};
+    return {nearestSimilarity(before, now).rotation, center, center + (present(point) - inFile(point))};
   }
 
   /// From a point of the file to a state, with the normal.
