@@ -132,8 +132,8 @@ def test_splat_transform_rotates_harmonics_and_levelling_rotates_them_back(tmp_p
     command = ["node", splat_transform, "-w", tmp_path / "flat.ply", "-r", "20,0,0", tmp_path / "tilted.ply"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
     pp.write(tmp_path / "level.ply", pp.read(tmp_path / "tilted.ply").prepared(level=True, up="z"))
-    sorts = [np.argsort(rows["f_dc_0"]) for rows in (flat, read(tmp_path / "tilted.ply"), read(tmp_path / "level.ply"))]
-    flat, tilted, level = flat[sorts[0]], read(tmp_path / "tilted.ply")[sorts[1]], read(tmp_path / "level.ply")[sorts[2]]
+    flat, tilted, level = (rows[np.argsort(rows["f_dc_0"])]
+                           for rows in (flat, read(tmp_path / "tilted.ply"), read(tmp_path / "level.ply")))
     off = [max(np.abs(rows[name] - flat[name]).max() for name in names[6:51]) for rows in (tilted, level)]
     assert off[0] > 0.5  # rotated
     assert off[1] < 1e-3  # and back, as far as the plane is found
