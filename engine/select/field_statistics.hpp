@@ -22,4 +22,11 @@ struct FieldStatistics {
 /// Infinite values are in percentiles alone, and make mean and deviation NaN.
 FieldStatistics statisticsOf(std::span<const double> values);
 
+/// The values that are numbers, ascending.
+std::vector<double> sortedNumbers(std::span<const double> values);
+/// The same of sorted numbers.
+FieldStatistics statisticsOfSorted(std::span<const double> sorted);
+/// Interpolated between the two numbers next to it. `sorted` is not empty.
+double percentileOf(std::span<const double> sorted, double percent);
+
 }  // namespace palpate
