@@ -133,6 +133,7 @@ OpenHand InteractiveSession::hand() {
 
 void InteractiveSession::take(const EditBatch& batch) {
   batch_.points.insert(batch_.points.end(), batch.points.begin(), batch.points.end());
+  batch_.attributes.insert(batch_.attributes.end(), batch.attributes.begin(), batch.attributes.end());
   edits_ += batch.points.size();
   attributeChanges_ += batch.attributes.size();
   if (unsaved_) unsaved_->follow(batch, history().points(), attributes(), isUnsaved(), strokesSince());

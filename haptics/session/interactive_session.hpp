@@ -63,7 +63,8 @@ class InteractiveSession {
   /// With InteractiveOptions::clock: runs the ticks up to that time, and follows.
   std::optional<std::string> tickUntil(double clock_s);
   const RecentTicks& recentTicks() const { return recentTicks_; }
-  /// All changes of the points since the last call (edits, undo, others' edits), for a caller with its own drawn copy.
+  /// All changes of points, masks and fields since the last call (edits, undo, others' edits), without marks, for a
+  /// caller with a copy of its own.
   EditBatch takeBatch() { return std::exchange(batch_, {}); }
   std::uint64_t edits() const { return edits_; }  ///< number of point states so far
   /// Number of changes of masks and fields so far.
@@ -113,6 +114,9 @@ class InteractiveSession {
   }
   void setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values) {
     if (!failed_) session_.setField(field, points, std::move(values));
+  }
+  void setField(std::string_view name, ScalarType type, const PointSet& points, std::vector<std::byte> values) {
+    if (!failed_) session_.setField(name, type, points, std::move(values));
   }
   void changePoints(const PointSet& points, const PointsAction& action) {
     if (!failed_) session_.changePoints(points, action);

@@ -230,6 +230,9 @@ class Session {
   /// Sets values of the field: one for each of the points, ascending, in native byte order. Otherwise as setMask();
   /// throws Error also if a point has no number yet, or values are missing.
   void setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values);
+  /// The same of the field of that name, which is made if it is missing (fieldNamed()): one change in either case.
+  /// Throws Error also if the field has another type.
+  void setField(std::string_view name, ScalarType type, const PointSet& points, std::vector<std::byte> values);
   /// Removes those of the points that exist, paints or moves them, as one stroke. Throws as setMask(), and for an
   /// action that validate() refuses; then nothing has changed.
   void changePoints(const PointSet& points, const PointsAction& action);

@@ -167,6 +167,32 @@ void Session::setField(std::uint32_t field, const PointSet& points, std::vector<
   });
 }
 
+void Session::setField(std::string_view name, ScalarType type, const PointSet& points, std::vector<std::byte> values) {
+  const LayerAttributes& attributes = attributesFor(Action::field, name);
+  const auto requireType = [&](ScalarType has) {
+    if (has != type) throw Error("{}: its values are {}, not {}", name, plyName(has), plyName(type));
+  };
+  between([&] {
+    if (const auto number = attributes.fieldNamed(name)) {
+      requireType(attributes.fields()[*number].values.type);
+      return setField(*number, points, std::move(values));
+    }
+    FieldPresence made = initialField(model().cloud, history()->points(), name, type, attributes.fields().size());
+    requireType(static_cast<ScalarType>(made.type));
+    const std::size_t bytes = sizeOf(type);
+    made.values.resize(made.points * bytes);
+    if (points.end() > made.points || points.count() * bytes != values.size())
+      throw Error("{}: {} values for {} points, the last of which is {}", name, values.size() / bytes, points.count(),
+                  points.end() - 1);
+    auto next = values.begin();
+    points.forEach([&](std::uint64_t point) {
+      std::copy_n(next, bytes, made.values.begin() + static_cast<std::ptrdiff_t>(point * bytes));
+      next += static_cast<std::ptrdiff_t>(bytes);
+    });
+    change(std::move(made));
+  });
+}
+
 void Session::changePoints(const PointSet& points, const PointsAction& action) {
   constexpr std::array<std::pair<Action, const char*>, std::variant_size_v<PointsAction>> kActionOf{
       {{Action::carve, "remove"}, {Action::paint, "paint"}, {Action::sculpt, "move"}}};
