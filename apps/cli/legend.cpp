@@ -1,13 +1,11 @@
 #include "apps/cli/legend.hpp"
 
-#include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "apps/cli/font.hpp"
-#include "engine/cloud/length_text.hpp"
 #include "shaders/shared/ramp.h"
 
 namespace palpate {
@@ -16,7 +14,7 @@ namespace {
 
 constexpr double kLetter = 0.024;  // height of letters, as a share of the picture's
 constexpr double kSmallest_px = 9;
-constexpr std::size_t kFewestTicks = 3;  // of a legend, unless its extent is zero
+constexpr double kLine = 1.35;  // from one entry of a legend to the next, letters
 
 double letterHeight_px(const Image& image) {
   return std::round(std::max(kSmallest_px, kLetter * static_cast<double>(image.height)));
@@ -87,45 +85,53 @@ class Letters {
 
 }  // namespace
 
-std::vector<Tick> ticksOf(const HeightRange& heights) {
-  const double extent = heights.high - heights.low;
-  const double step = roundLength(extent / static_cast<double>(kFewestTicks));
-  if (!(step > 0)) return {{heights.low, lengthText(heights.low)}};
-  std::vector<Tick> ticks;
-  const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
-  constexpr int kMaxDecimals = 9;
-  for (double n = std::ceil(heights.low / step - 1e-9); n * step <= heights.high + 1e-9 * extent; ++n) {
-    const double height = n * step + 0.0;  // no negative zero
-    ticks.push_back({height, decimals > kMaxDecimals ? lengthText(height) : fmt::format("{:.{}f}", height, decimals)});
-  }
-  return ticks;
-}
-
-void drawLegend(Image& image, const HeightRange& heights, LengthUnit unit) {
+void drawLegend(Image& image, const Legend& legend) {
   const Letters letters(letterHeight_px(image));
   const double letter = letterHeight_px(image), height = static_cast<double>(image.height);
-  const int top = static_cast<int>(0.28 * height), bottom = static_cast<int>(0.72 * height);
+  const double line = kLine * letter;
   const int right = static_cast<int>(image.width - letter), left = right - static_cast<int>(letter);
-  for (int y = top; y < bottom; ++y) {
-    const float share = (static_cast<float>(bottom - y) - 0.5f) / static_cast<float>(bottom - top);
-    const DVec3 color = 255.0 * DVec3(shared::rampColor(share));
-    for (int x = left; x < right; ++x) blend(image, x, y, color, 1);
-  }
+  const double entries = line * static_cast<double>(legend.entries.size());
+  const auto fill = [&](int top, int bottom, auto&& colorAt) {
+    for (int y = top; y < bottom; ++y)
+      for (int x = left; x < right; ++x) blend(image, x, y, 255.0 * DVec3(colorAt(y)), 1);
+  };
   const auto write = [&](const std::string& text, double y) {
     letters.draw(image, static_cast<int>(left - 0.5 * letter - letters.widthOf(text)),
                  static_cast<int>(std::lround(y - 0.5 * letter)), text);
   };
-  const double extent = heights.high - heights.low;
-  for (const Tick& tick : ticksOf(heights)) {
-    const double y = extent > 0 ? bottom - (tick.height - heights.low) / extent * (bottom - top) : 0.5 * (top + bottom);
+  const bool isRamp = !legend.marks.empty();
+  const int top = static_cast<int>(isRamp ? 0.28 * height : std::max(3 * letter, 0.5 * (height - entries)));
+  const int bottom = static_cast<int>(isRamp ? 0.72 * height : top);
+  // A plate under it all, so that it is read over any model.
+  double widest = letters.widthOf(legend.heading) - 2 * letter;
+  for (const Legend::Mark& mark : legend.marks) widest = std::max(widest, letters.widthOf(mark.text));
+  for (const Legend::Entry& entry : legend.entries) widest = std::max(widest, letters.widthOf(entry.text));
+  const int plateLeft = static_cast<int>(left - widest - letter), plateTop = static_cast<int>(top - 2.2 * letter);
+  const int plateBottom = static_cast<int>(bottom + entries + (isRamp && entries > 0 ? 1.5 : 0.7) * letter);
+  const DVec3 plate =
+      DVec3(255) - inkOn(image, plateLeft, plateTop, right - plateLeft, plateBottom - plateTop);  // unlike its letters
+  constexpr double kPlate = 0.6;
+  for (int y = plateTop; y < plateBottom; ++y)
+    for (int x = plateLeft; x < static_cast<int>(right + 0.5 * letter); ++x) blend(image, x, y, plate, kPlate);
+  fill(top, bottom, [&](int y) {
+    const float share = (static_cast<float>(bottom - y) - 0.5f) / static_cast<float>(bottom - top);
+    return shared::rampColor(static_cast<std::uint32_t>(legend.map), share);
+  });
+  for (const Legend::Mark& mark : legend.marks) {
+    const double y = bottom - mark.share * (bottom - top);
     const int row = std::clamp(static_cast<int>(std::lround(y)), top, bottom - 1);
     const DVec3 ink = inkOn(image, left, row, right - left, 1);
     for (int x = left; x < left + static_cast<int>(0.4 * letter); ++x) blend(image, x, row, ink, 0.9);
-    write(tick.text, y);
+    write(mark.text, y);
   }
-  const std::string heading = fmt::format("height, {}", nameOf(unit));
-  letters.draw(image, static_cast<int>(right - letters.widthOf(heading)), static_cast<int>(top - 1.8 * letter),
-               heading);
+  double at = bottom + (isRamp ? letter : 0);
+  for (const Legend::Entry& entry : legend.entries) {
+    fill(static_cast<int>(at + 0.15 * line), static_cast<int>(at + 0.85 * line), [&](int) { return entry.color; });
+    write(entry.text, at + 0.5 * line);
+    at += line;
+  }
+  letters.draw(image, static_cast<int>(right - letters.widthOf(legend.heading)), static_cast<int>(top - 1.8 * letter),
+               legend.heading);
 }
 
 void drawText(Image& image, const DVec2& at_px, const std::string& text) {

@@ -42,4 +42,9 @@ HeightRange heightsOf(const Model& model, UpAxis up) {
   return {std::min(a, b), std::max(a, b)};
 }
 
+Legend heightLegend(const Model& model, UpAxis up, LengthUnit unit, ColorMap map) {
+  const HeightRange heights = heightsOf(model, up);
+  return legendOf("height", unit, heights.low, heights.high, map);
+}
+
 }  // namespace palpate

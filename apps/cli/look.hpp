@@ -4,6 +4,7 @@
 #include "apps/cli/model.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/up.hpp"
+#include "haptics/session/colored_field.hpp"
 #include "haptics/session/framing.hpp"
 
 namespace palpate {
@@ -28,5 +29,6 @@ struct HeightRange {
   double low = 0, high = 0;
 };
 HeightRange heightsOf(const Model& model, UpAxis up);
+Legend heightLegend(const Model& model, UpAxis up, LengthUnit unit, ColorMap map);
 
 }  // namespace palpate

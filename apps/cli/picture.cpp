@@ -7,7 +7,10 @@
 #include "apps/cli/model_lines.hpp"
 #include "apps/cli/output.hpp"
 #include "apps/cli/parse_list.hpp"
+#include "apps/cli/setting_options.hpp"
+#include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/length_text.hpp"
+#include "engine/select/prepared_cloud.hpp"
 
 namespace palpate {
 
@@ -24,7 +27,8 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   frame.shown = model.shown;
   frame.splatRadius = discRadiusOf(model);
   frame.pass = imagePassNamed(options.pass);
-  frame.color = colorByNamed(options.color);
+  frame.color = options.color.source().value_or(ColorSource::rgb);
+  frame.colorMap = options.color.mapOf();
   frame.everyPoint = options.everyPoint;
   frame.raster = rasterNamed(options.raster);
   constexpr std::uint32_t kUsualSmooth_px = 3;  // default for the pass smooth-depth
@@ -79,9 +83,7 @@ void addPictureOptions(Options& command, PictureOptions& options) {
       .add("--splat-radius", options.splatRadius,
            "radius of the discs, mm; auto: just wide enough to close the surface")
       .showDefault();
-  command
-      .add("--color", options.color, "rgb (of the file, else one material), normal, depth, or height (with a legend)")
-      .showDefault();
+  addSettings(command, options.color, {});
   command.add("--pass", options.pass, "image to write: final, depth, smooth-depth, normal, color or position")
       .showDefault();
   command
@@ -117,6 +119,7 @@ void addSamplesOption(Options& command, std::uint32_t& samples) {
 void checkPictureOptions(const PictureOptions& options) {
   const PictureSize size = parseSize(options.size);
   Frame::checkSize(size.width, size.height);
+  validate(options.color);
   frameOptions(options, Model{});
   Camera::parse(options.camera, PointCloud{}, 1);
   checkOutput(options.depthFile, Output::only);
@@ -124,7 +127,7 @@ void checkPictureOptions(const PictureOptions& options) {
 
 bool showsPaint(const PictureOptions& options) {
   const ImagePass pass = imagePassNamed(options.pass);
-  return colorByNamed(options.color) == ColorSource::rgb && (pass == ImagePass::final || pass == ImagePass::color);
+  return options.color.source() == ColorSource::rgb && (pass == ImagePass::final || pass == ImagePass::color);
 }
 
 void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {
@@ -139,11 +142,12 @@ namespace {
 
 template <class Drawn>
 void draw(Context& context, const Model& model, const Drawn& drawn, const PictureOptions& options,
-          const Overlays& overlays, const std::string& file) {
+          const Overlays& overlays, const std::string& file, const ColoredField* field = nullptr) {
   Device& device = context.device();
   const PictureSize size = parseSize(options.size);
   const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
   FrameOptions frameOf = frameOptions(options, model);
+  if (field) frameOf.color = field->colors(options.color);
   frameOf.overlays = overlays;
   frameOf.lines = modelLines(model, options.cameras);
   if (options.cameras && model.cameras.empty())
@@ -174,9 +178,10 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   device.throughputQueue().run(list);
   Image image = frame.readColor();
   if (options.scaleBar) drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), lengthText(bar, unit));
-  const bool showsHeights = frameOf.pass == ImagePass::final || frameOf.pass == ImagePass::color;
-  if (showsHeights && frameOf.color == ColorBy(ColorSource::height) && !model.cloud.empty())
-    drawLegend(image, heightsOf(model, upright.up), unit);
+  const bool hasLegend = (frameOf.pass == ImagePass::final || frameOf.pass == ImagePass::color) && !model.cloud.empty();
+  if (hasLegend && field) drawLegend(image, field->legend(options.color));
+  if (hasLegend && frameOf.color == ColorBy(ColorSource::height))
+    drawLegend(image, heightLegend(model, upright.up, unit, frameOf.colorMap));
   writeImage(file, image);
   if (!options.depthFile.empty()) writePfm(options.depthFile, frame.readDepth());
   if (options.printFrame) printPasses(context.tables(), list.passes());
@@ -184,14 +189,28 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
 
 }  // namespace
 
-void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const PictureOptions& options,
-                 const Overlays& overlays, const std::string& file) {
+void takePicture(Context& context, const Model& model, const PicturedPoints& points, DrawnCloud& drawn,
+                 const PictureOptions& options, const Overlays& overlays, const std::string& file) {
   drawn.closeSurface();
-  draw(context, model, drawn, options, overlays, file);
+  std::optional<ColoredField> field;
+  if (!options.color.source()) {
+    const UpAxis up = uprightOf(model, options.look).up;
+    field.emplace(options.color, points.cloud, std::vector<Field>(),
+                  FieldOptions{.mm_per_unit = mmPerUnit(points.cloud, 0), .up = up, .threads = context.threads()},
+                  unitOf(model.cloud, options.look));
+    std::vector<PointState> loaded;
+    if (points.states.empty()) loaded = statesOf(points.cloud);
+    const std::span<const PointState> states = points.states.empty() ? std::span(loaded) : points.states;
+    field->read(states, {}, shownPoints(states, {}));
+    drawn.attributes().show(field->floats());
+  }
+  draw(context, model, drawn, options, overlays, file, field ? &*field : nullptr);
 }
 
 void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const PictureOptions& options,
                  const Overlays& overlays, const std::string& file) {
+  if (!options.color.source())
+    throw UsageError("--color-by: triangles have no field '{}'; use --mode splat", options.color.by);
   draw(context, model, drawn, options, overlays, file);
 }
 

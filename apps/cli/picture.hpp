@@ -3,12 +3,14 @@
 
 #include "apps/cli/look.hpp"
 #include "engine/render/frame.hpp"
+#include "haptics/session/colored_field.hpp"
 
 namespace palpate {
 
 struct PictureOptions {
   LookOptions look;
-  std::string size = "1280x720", camera, splatRadius = "auto", color = "rgb", pass = "final", background, depthFile,
+  ColorConfig color;
+  std::string size = "1280x720", camera, splatRadius = "auto", pass = "final", background, depthFile,
               raster = "compute";
   std::uint32_t smooth_px = 0, samples = 4;
   bool printFrame = false, scaleBar = false, everyPoint = false;
@@ -34,12 +36,18 @@ bool showsPaint(const PictureOptions& options);
 /// Checks the options as far as possible before anything is loaded. Throws UsageError.
 void checkPictureOptions(const PictureOptions& options);
 
-/// Draws `drawn` (the GPU's copy of the model's cloud, made with its spacing) into `file`. Prints the passes on
-/// request.
-void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const PictureOptions& options,
-                 const Overlays& overlays, const std::string& file);
+/// The points that are drawn, for their fields.
+struct PicturedPoints {
+  const PointCloud& cloud;
+  std::span<const PointState> states;  ///< by number; empty: as in the cloud
+};
 
-/// The same for a mesh of it.
+/// Draws `drawn` (the GPU's copy of these points, made with the model's spacing) into `file`. Prints the passes on
+/// request.
+void takePicture(Context& context, const Model& model, const PicturedPoints& points, DrawnCloud& drawn,
+                 const PictureOptions& options, const Overlays& overlays, const std::string& file);
+
+/// The same for a mesh of it. Throws UsageError for colours by a field.
 void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const PictureOptions& options,
                  const Overlays& overlays, const std::string& file);
 

@@ -40,7 +40,7 @@ void render(Context& context, const RenderOptions& options) {
     DrawnCloud drawn(context.device(), model.cloud, {.spacing = model.spacingOfDiscs()});
     PictureOptions picture = options.picture;
     picture.points = options.mode == "points";
-    takePicture(context, model, drawn, picture, {}, options.output);
+    takePicture(context, model, {.cloud = model.cloud, .states = {}}, drawn, picture, {}, options.output);
   }
   context.log().say("{}: {}{} of {}", options.output, options.mode == "mesh" ? "mesh through " : "",
                     counted(model.cloud.size(), "point"), chosen.file);

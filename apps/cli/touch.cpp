@@ -186,8 +186,8 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
 void drawEnd(Context& context, const TouchCommandOptions& options, const Session& session, DrawnFollower* followed,
              const PointCloud& cloud, const Trace& trace) {
   if (options.edit == "paint" && !showsPaint(options.picture))
-    context.log().say("{}: --color {} and --pass {} do not show what was painted; --color rgb does",
-                      options.pictureFile, options.picture.color, options.picture.pass);
+    context.log().say("{}: --color-by {} and --pass {} do not show what was painted; --color-by rgb does",
+                      options.pictureFile, options.picture.color.by, options.picture.pass);
   const Model& model = session.model();
   HeldTool tool;
   if (session.config().brush) tool.brush = brushOptions(*session.config().brush, model.scale);
@@ -195,7 +195,10 @@ void drawEnd(Context& context, const TouchCommandOptions& options, const Session
   // Points of a back end that is not followed are drawn once, in their final state.
   std::optional<DrawnCloud> ended;
   if (!followed) ended.emplace(context.device(), cloud, DrawnOptions{.spacing = model.spacingOfDiscs()});
-  takePicture(context, model, followed ? followed->drawn() : *ended, options.picture,
+  const History* const history = session.pointHistory();
+  PicturedPoints points{.cloud = followed ? model.cloud : cloud, .states = {}};
+  if (followed && history) points.states = history->points();
+  takePicture(context, model, points, followed ? followed->drawn() : *ended, options.picture,
               trace.rows.empty()
                   ? Overlays{}
                   : overlaysOf(trace.rows.back(), model.cloud.origin, model.shownBounds().longestSide(), tool),

@@ -23,9 +23,10 @@ void BrushNotes::noteSize(const WindowSession& session, const ViewSettings& view
 void BrushNotes::notePaint(const WindowSession& session, ViewSettings& view, Messages& messages) {
   const bool begins = session.history().inStroke() && !inStroke_;
   inStroke_ = session.history().inStroke();
-  if (!begins || !brushHas(session.brushSettings().kind, shared::kPaintsPoints) || view.color == ColorSource::rgb)
+  if (!begins || !brushHas(session.brushSettings().kind, shared::kPaintsPoints) ||
+      view.color.source() == ColorSource::rgb)
     return;
-  view.color = ColorSource::rgb;
+  view.color = {};
   messages.say("colours: the points' own, so that the paint is visible");
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -105,6 +106,20 @@ struct SetParameter {
 struct SetValue {
   std::string field, value;
 };
+/// Keeps the selection as a field: 1 of the selected points, 0 of all others.
+struct KeepSelection {
+  std::string field;
+};
+/// Selects the points for which an expression of their fields holds; without one, those in the range of the colours.
+/// With both flags it keeps those that were selected before.
+struct SelectWhere {
+  std::optional<std::string> condition;
+  bool adds = false, removes = false;
+};
+/// Range of the colours, as typed.
+struct SetColorRange {
+  std::string text;
+};
 /// True length of the measure in mm, as typed.
 struct SetTrueLength {
   std::string text;
@@ -128,7 +143,8 @@ struct CopyText {
 using ViewCommand =
     std::variant<WindowCommand, ModelCommand, StylusCommand, SelectCommand, Answer, FileCommand, BrowseCommand,
                  ModelSide, LookAlong, SetParameter, SetValue, SelectVolume, SetVolume, FlipPlane, MoveSelection,
-                 SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
+                 KeepSelection, SelectWhere, SetColorRange, SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes,
+                 CopyText>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

@@ -14,11 +14,6 @@ namespace palpate {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, ColorSource>, 4> kColors{{{"colour", ColorSource::rgb},
-                                                                           {"normal", ColorSource::normal},
-                                                                           {"depth", ColorSource::depth},
-                                                                           {"height", ColorSource::height}}};
-
 template <class Section>
 const Range& sliderOf(std::string_view name) {
   return settingNamed<Section>(name).slider;
@@ -79,13 +74,14 @@ bool Panels::dragLength(const char* name, double& value_mm, double speed_mm, con
   return changed;
 }
 
-// Text field, named by its hint. Returns whether Enter was pressed in it.
-bool Panels::field(const char* hint, std::array<char, 512>& text) {
-  ImGui::PushID(hint);
+// Text field, named by its hint unless it has another name. Returns whether Enter was pressed in it.
+bool Panels::field(const char* hint, std::array<char, 512>& text, const char* name) {
+  if (!name) name = hint;
+  ImGui::PushID(name);
   const bool entered =
       ImGui::InputTextWithHint("##text", hint, text.data(), text.size(), ImGuiInputTextFlags_EnterReturnsTrue);
   ImGui::PopID();
-  return noted(hint, entered);
+  return noted(name, entered);
 }
 
 bool Panels::chooseWord(const char* label, std::span<const std::string_view> words, std::size_t& chosen) {
@@ -144,7 +140,7 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   drawDistance(status, view);
   drawOutline(status.outline);
   drawVolume(status.volume);
-  if (status.heights) drawHeights(*status.heights, status.unit);
+  if (status.legend) drawLegend(*status.legend);
   if (view.panels && view.plots && status.session) drawPlots(status, view);
   view.help ? drawHelp(settings) : drawMessages(status, view, settings.tool);
   drawErrors(status, view);
@@ -165,6 +161,7 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
   drawDevice(status);
   if (status.session) {
     drawTool(status, settings);
+    drawColor(status, settings);
     drawFeel(status, settings.feel, settings.forcesOn);
     drawMatter(status);
     drawOthers(status);
@@ -339,7 +336,6 @@ void Panels::drawMatter(const ViewStatus& status) {
 
 void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
   if (!header("Look")) return;
-  choose("colour by", kColors, view.color);
   chooseOrAuto("up", kUpAxes, view.up, nameOf(status.upFound));
   chooseOrAuto("unit", kLengthUnits, view.unit, nameOf(status.unit));
   help("unit of the file's lengths, for display only; it does not change the scale");

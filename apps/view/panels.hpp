@@ -60,11 +60,14 @@ struct ViewStatus {
   std::string orientation;           ///< up and front in a few words, and how sure they are
   std::string orientationWhy;
   LengthUnit unit = LengthUnit::unknown;
-  ViewSettings::ShownLength lengths;   ///< of the hand
-  std::optional<PlaceInfo> picked;     ///< the last picked position
-  std::optional<double> measured;      ///< distance of the two picked positions, units
-  std::optional<DVec2> measuredAt_px;  ///< middle between them in the picture
-  std::optional<HeightRange> heights;  ///< set where points are coloured by height
+  ViewSettings::ShownLength lengths;    ///< of the hand
+  std::optional<PlaceInfo> picked;      ///< the last picked position
+  std::optional<double> measured;       ///< distance of the two picked positions, units
+  std::optional<DVec2> measuredAt_px;   ///< middle between them in the picture
+  std::optional<Legend> legend;         ///< set where points are coloured by height or by a field
+  const ColoredField* field = nullptr;  ///< that field
+  std::vector<std::string> fields;      ///< names of all
+  std::string whereError;               ///< what is wrong with the condition of the last selection
   double meshTime_ms = 0;
   std::uint64_t meshTriangles = 0;
   const std::deque<float>* pictures_ms = nullptr;  ///< frame times
@@ -129,7 +132,7 @@ class Panels {
   bool chooseWord(const char* name, std::span<const std::string_view> words, std::size_t& chosen);
   template <class Names, class Value>
   void chooseOrAuto(const char* name, const Names& names, std::optional<Value>& value, std::string_view now);
-  bool field(const char* hint, std::array<char, 512>& text);
+  bool field(const char* hint, std::array<char, 512>& text, const char* name = nullptr);
   // Tooltip of the control drawn last, while it is pointed at: beside the panel, so that it does not cover the panel.
   void help(const std::string& text) const;
   void plot(const char* what, const std::vector<float>& curve, float least, float height,
@@ -144,7 +147,12 @@ class Panels {
   void drawTool(const ViewStatus& status, WindowSettings& settings);
   void drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view);
   void drawSelect(const ViewStatus& status, WindowSettings& settings);
-  void drawSelected(const ViewStatus& status);
+  void drawSelected(const ViewStatus& status, SelectSettings& select);
+  void drawLabel(SelectSettings& select);
+  void drawWhere(const ViewStatus& status);
+  void drawColor(const ViewStatus& status, WindowSettings& settings);
+  void drawField(const ColoredField& field, ColorConfig& color);
+  void drawHistogram(const ColoredField& field, ColorConfig& color);
   void drawCounts(const SelectionCounts& counts);
   void drawOutline(const DrawnOutline& outline);
   void drawVolume(const DrawnVolume& volume);
@@ -176,7 +184,7 @@ class Panels {
   void drawErrors(const ViewStatus& status, const ViewSettings& view);
   void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit);
   void drawDistance(const ViewStatus& status, const ViewSettings& view) const;
-  void drawHeights(const HeightRange& heights, LengthUnit unit);
+  void drawLegend(const Legend& legend);
   struct AnswerButton {
     const char* name;
     Answer answer;
@@ -194,11 +202,12 @@ class Panels {
 
   Gui& gui_;
   ViewCommands commands_;  // posted in this frame
-  std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{}, fieldName_{"classification"}, fieldValue_{},
+  std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{}, colorRange_{}, where_{}, selectionName_{},
       volume_{}, way_{}, angles_{}, factor_{};
   std::string shownVolume_;  // numbers of the volume when they were last put into volume_
   DeviceState seenDevice_;
   bool paused_ = false;
+  bool dragsLow_ = false;   // the low end of the range of colours, in the histogram
   std::size_t chosen_ = 0;  // of the answers to a question: the one that Enter gives
   bool helps_ = true;       // tooltips are shown; off while the help window is open
   struct Files {
@@ -208,7 +217,7 @@ class Panels {
     std::string seen;  // chosen entry that the list has been scrolled to
   };
   std::optional<Files> files_;  // set while the file dialogue is open
-  DVec2 corner_px_{0};          // upper left end of the scale and the heights, at the lower right, in this frame
+  DVec2 corner_px_{0};          // upper left end of the scale and the legend, at the lower right, in this frame
   std::map<std::string, DVec2> places_;
   std::string scrollTo_;
   struct Curves {

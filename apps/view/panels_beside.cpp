@@ -1,4 +1,4 @@
-// The part of Panels beside the main panel: curves, other participants, scale, heights, and the questions.
+// The part of Panels beside the main panel: curves, other participants, scale, and the questions.
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <imgui.h>
@@ -8,12 +8,10 @@
 #include <chrono>
 #include <cmath>
 
-#include "apps/cli/legend.hpp"
 #include "apps/view/panels.hpp"
 #include "apps/view/shown_lines.hpp"
 #include "engine/cloud/length_text.hpp"
 #include "engine/core/counted.hpp"
-#include "shaders/shared/ramp.h"
 
 namespace palpate {
 
@@ -194,35 +192,6 @@ void Panels::drawDistance(const ViewStatus& status, const ViewSettings& view) co
   list.AddRectFilled({x - padding, y - padding}, {x + size.x + padding, y + size.y + padding},
                      ImGui::GetColorU32(ImGuiCol_WindowBg), padding);
   list.AddText({x, y}, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
-}
-
-// At the right edge, above the scale.
-void Panels::drawHeights(const HeightRange& heights, LengthUnit unit) {
-  const ImVec2 display = ImGui::GetIO().DisplaySize;
-  const float width = em(1), right = display.x - em(1.5), left = right - width, bottom = display.y - em(4.5),
-              top = std::max(em(2), bottom - em(12)), line = ImGui::GetTextLineHeight();
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  constexpr int kPieces = 48;
-  for (int k = 0; k < kPieces; ++k) {
-    const Vec3 color = shared::rampColor((static_cast<float>(k) + 0.5f) / kPieces);
-    const float y = std::round(glm::mix(bottom, top, static_cast<float>(k) / kPieces));
-    const float end = std::round(glm::mix(bottom, top, static_cast<float>(k + 1) / kPieces));
-    list.AddRectFilled({left, end}, {right, y}, ImGui::GetColorU32({color.x, color.y, color.z, 1}));
-  }
-  const ImU32 ink = ImGui::GetColorU32(ImGuiCol_Text);
-  const auto write = [&](const std::string& text, float x, float y) {
-    const float begin = std::round(x - ImGui::CalcTextSize(text.c_str()).x);
-    list.AddText({begin, std::round(y)}, ink, text.c_str());
-    corner_px_ = glm::min(corner_px_, DVec2(begin, y));
-  };
-  const double extent = heights.high - heights.low;
-  for (const Tick& tick : ticksOf(heights)) {
-    const double share = extent > 0 ? (tick.height - heights.low) / extent : 0.5;
-    const float y = glm::mix(bottom, top, static_cast<float>(share));
-    list.AddLine({left - em(0.3), y}, {left, y}, ink);
-    write(tick.text, left - em(0.5), y - 0.5f * line);
-  }
-  write(fmt::format("height, {}", nameOf(unit)), right, top - 1.5f * line);
 }
 
 // A letter of the last button's name: its key.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/view/panels.hpp"
+#include "engine/cloud/las_classes.hpp"
 #include "engine/core/counted.hpp"
 #include "haptics/session/settings.hpp"
 
@@ -36,8 +37,9 @@ void Panels::drawSelect(const ViewStatus& status, WindowSettings& settings) {
       "B: drag a ball along the surface",
       "O: click a point: selects what is connected with it and alike",
       "E: click a point: selects all of its class, or of its colour where there are no classes",
+      "A: drag a ball along the surface: the points under it get the value below",
       "W: click the model, or drag from there; drag the handles; Enter selects",
-      "A: click the model, or drag from there; drag the handles; Enter selects",
+      "Shift+W: click the model, or drag from there; drag the handles; Enter selects",
       "D: click the model; drag the handles; Enter selects the side of the arrow",
       "G: moves, rotates and scales the selected points by handles"};
   SelectSettings& select = settings.select;
@@ -46,10 +48,11 @@ void Panels::drawSelect(const ViewStatus& status, WindowSettings& settings) {
     const auto& [name, shape] = kSelectShapes[k];
     if (k % 3 != 0) ImGui::SameLine();
     if (chosenButton(name.data(), width, select.shape == shape)) select.shape = shape;
-    help(shape == SelectShape::move ? kHelp[k]
-                                    : fmt::format("{}. Shift adds, Ctrl removes, both keep what is in both", kHelp[k]));
+    help(shape == SelectShape::label || shape == SelectShape::move
+             ? std::string(kHelp[k])
+             : fmt::format("{}. Shift adds, Ctrl removes, both keep what is in both", kHelp[k]));
   }
-  if (select.shape == SelectShape::brush) {
+  if (isBall(select.shape)) {
     dragLength("ball", select.brush_mm, 0.1, settingNamed<BrushConfig>("radius_mm").slider, status);
     help("radius; [ and ] change it");
   }
@@ -67,7 +70,9 @@ void Panels::drawSelect(const ViewStatus& status, WindowSettings& settings) {
     checkbox("through", select.through);
     help("T: also points behind the first surface");
   }
-  drawSelected(status);
+  drawLabel(select);
+  drawSelected(status, select);
+  drawWhere(status);
 }
 
 void Panels::drawVolumeNumbers(const ViewStatus& status, SelectShape shape) {
@@ -106,7 +111,53 @@ void Panels::drawVolumeNumbers(const ViewStatus& status, SelectShape shape) {
   ImGui::EndDisabled();
 }
 
-void Panels::drawSelected(const ViewStatus& status) {
+// The field and the value that the label brush sets, and the button Set value.
+void Panels::drawLabel(SelectSettings& select) {
+  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  ImGui::PushItemWidth(2 * width);
+  field("field", select.field);
+  help("as classification; it is made if the model has no such field");
+  ImGui::PopItemWidth();
+  ImGui::SameLine();
+  ImGui::PushItemWidth(width);
+  const bool isEntered = field("value", select.value);
+  ImGui::PopItemWidth();
+  post(isEntered && select.value[0], SetValue{select.field.data(), select.value.data()});
+  if (std::string_view(select.field.data()) != kClassification) return;
+  std::vector<std::pair<std::string_view, std::string>> classes;
+  for (std::size_t k = 0; k < kLasClasses.size(); ++k) classes.emplace_back(kLasClasses[k], std::to_string(k));
+  std::string value = select.value.data();
+  if (!choose("class", classes, value)) return;
+  select.value = {};
+  std::ranges::copy(value, select.value.begin());
+}
+
+// Selections by an expression, and as a field.
+void Panels::drawWhere(const ViewStatus& status) {
+  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  const auto row = [&](const char* hint, std::array<char, 512>& text, const char* does) {
+    ImGui::PushItemWidth(2 * width);
+    const bool isEntered = field(hint, text);
+    ImGui::PopItemWidth();
+    ImGui::SameLine();
+    return (button(does, width) || isEntered) && text[0];
+  };
+  const ImGuiIO& io = ImGui::GetIO();
+  post(row("classification == 2 && z > 3", where_, "Find"),
+       SelectWhere{.condition = where_.data(), .adds = io.KeyShift, .removes = io.KeyCtrl});
+  help("selects the points for which this holds. Shift adds, Ctrl removes, both keep what is in both");
+  if (!status.whereError.empty()) {
+    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 0.4f, 0.4f, 1));
+    ImGui::TextWrapped("%s", status.whereError.c_str());
+    ImGui::PopStyleColor();
+  }
+  ImGui::BeginDisabled(status.selection.selected == 0);
+  post(row("name of the selection", selectionName_, "Keep"), KeepSelection{selectionName_.data()});
+  help("keeps the selection as a field: 1 of its points, 0 of all others; saved with the model");
+  ImGui::EndDisabled();
+}
+
+void Panels::drawSelected(const ViewStatus& status, SelectSettings& select) {
   struct Row {
     const char* name;
     SelectCommand command;
@@ -149,17 +200,8 @@ void Panels::drawSelected(const ViewStatus& status) {
   if (button("Separate...", width)) browse(FileTask::separate, status);
   help("writes them to a file, and removes them here");
   ImGui::SameLine();
-  const bool isPressed = button("Set value", width);
-  help("gives the selected points the value of the field below");
-  ImGui::PushItemWidth(2 * width);
-  field("field", fieldName_);
-  help("as classification; it is made if the model has no such field");
-  ImGui::PopItemWidth();
-  ImGui::SameLine();
-  ImGui::PushItemWidth(width);
-  const bool isEntered = field("value", fieldValue_);
-  ImGui::PopItemWidth();
-  post((isPressed || isEntered) && fieldValue_[0], SetValue{fieldName_.data(), fieldValue_.data()});
+  post(button("Set value", width) && select.value[0], SetValue{select.field.data(), select.value.data()});
+  help("gives the selected points the value above");
   ImGui::EndDisabled();
 }
 

@@ -39,6 +39,7 @@ constexpr ScriptEvent kEvents[]{
     {"value", "FIELD VALUE", "gives the selected points a value of a field"},
     {"volume", "NUMBERS", "places the box, ball or plane that selects: as typed in the panel"},
     {"move", "X,Y,Z [A,B,C [FACTOR]]", "moves the selected points, rotates them by degrees about x, y and z, scales"},
+    {"where", "CONDITION", "selects the points for which an expression of their fields holds"},
     {"record", "[FILE]", "records a session log; without a file: ends it"},
     {"replay", "FILE", "plays a session log"},
     {"impatient", "", "keeps the clock running while a model is loaded or saved"},
@@ -206,6 +207,7 @@ ScriptAction actionOf(Line& line, const std::string& what) {
     if (!line.atEnd()) move.factor = line.word("the factor");
     return ViewCommand(move);
   }
+  if (what == "where") return ViewCommand(SelectWhere{.condition = line.rest("the condition")});
   if (what == "record" && line.atEnd()) return ViewCommand(ModelCommand::endRecording);
   if (what == "record") return ViewCommand(FileCommand{FileTask::record, line.rest("the file")});
   if (what == "replay") return ViewCommand(FileCommand{FileTask::play, line.rest("the file")});

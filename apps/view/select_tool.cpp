@@ -154,7 +154,7 @@ std::vector<DVec2> SelectTool::corners() const {
 PointBits SelectTool::found(const SelectSettings& settings, const Pointed& at) const {
   const WindowSession& session = *at.session;
   const Selectable field(session);
-  const bool isBrush = shape_ == SelectShape::brush;
+  const bool isBrush = isBall(shape_);
   const FoundSurface front = isBrush || !settings.through ? at.surface() : FoundSurface();
   const PointBits inside =
       isBrush ? inBrush(field, path_px_, session.model().scale.toUnits(settings.brush_mm), front.picture())
@@ -166,14 +166,18 @@ PointBits SelectTool::found(const SelectSettings& settings, const Pointed& at) c
 
 void SelectTool::close(const SelectSettings& settings, const Pointed& at) {
   stage_ = Stage::idle;
-  if (at.session) select(*at.session, found(settings, at), how_);
+  if (!at.session) return;
+  if (shape_ == SelectShape::label)
+    remark_ = label(*at.session, found(settings, at), {settings.field.data(), settings.value.data()});
+  else
+    select(*at.session, found(settings, at), how_);
 }
 
 DrawnOutline SelectTool::drawn(const SelectSettings& settings, const Pointed& at) const {
   if (!at.session) return {};
   const bool isDrawing = stage_ != Stage::idle;
   const SelectShape shape = isDrawing ? shape_ : settings.shape;
-  if (shape == SelectShape::brush) {
+  if (isBall(shape)) {
     const double depth = at.picked.depth > 0 ? at.picked.depth : at.viewpoint.targetDistance();
     const double radius = at.session->model().scale.toUnits(settings.brush_mm);
     DrawnOutline drawn{.ball_px = radius * at.viewpoint.camera().focal_px(at.size_px.y) / depth};

@@ -12,7 +12,8 @@ struct DrawnOutline {
   double ball_px = 0;  ///< radius of a brush along the corners; 0: they are an outline
 };
 
-/// Draws outlines and balls, and selects what they show once they are closed. Volumes have a tool of their own.
+/// Draws outlines and balls, and selects what they show once they are closed, or labels it. Volumes have a tool of
+/// their own.
 ///
 ///   stage     press of the left button       release           Enter, right button   Backspace, Alt   Esc
 ///   idle      dragging; corners (polygon);   -                 -                     -                -
@@ -31,6 +32,8 @@ class SelectTool {
   bool press(MouseButton button, const Keys& keys, const SelectSettings& settings, const Pointed& at);
   void moveTo(const DVec2& place_px);
   void release(MouseButton button, const SelectSettings& settings, const Pointed& at);
+  /// What the last outline did, for the user; returned once.
+  std::string takeRemark() { return std::exchange(remark_, {}); }
   /// Commands of the outline; others do nothing.
   void carryOut(SelectCommand command, const SelectSettings& settings, const Pointed& at);
   void cancel() {
@@ -56,6 +59,7 @@ class SelectTool {
   std::vector<DVec2> path_px_;
   DVec2 cursor_px_{0};
   bool moves_ = false;  // the cursor moves the outline
+  std::string remark_;
 };
 
 }  // namespace palpate

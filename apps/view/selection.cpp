@@ -7,9 +7,12 @@
 #include <limits>
 #include <utility>
 
+#include "engine/cloud/las_classes.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/saving.hpp"
+#include "engine/select/expression.hpp"
+#include "engine/select/prepared_cloud.hpp"
 #include "engine/select/surface_select.hpp"
 
 namespace palpate {
@@ -18,8 +21,6 @@ namespace {
 
 constexpr double kStep = 1.5;   // of grow and shrink, spacings
 constexpr double kReach = 2.5;  // between connected points, spacings
-
-constexpr std::string_view kClasses = "classification";
 
 std::span<const PointState> pointsOf(const WindowSession& session) { return session.history().points(); }
 
@@ -75,7 +76,7 @@ ScalarType typeOf(const WindowSession& session, const std::string& name) {
   if (name.empty() || !std::ranges::all_of(name, isOfName))
     throw Error("'{}' cannot name a field: use letters, digits and _", name);
   if (std::ranges::count(kTaken, name)) throw Error("{} cannot be set as a field", name);
-  return name == kClasses ? ScalarType::u8 : ScalarType::f32;
+  return name == kClassification ? ScalarType::u8 : ScalarType::f32;
 }
 
 }  // namespace
@@ -163,17 +164,61 @@ std::string carryOut(SelectCommand command, WindowSession& session, const BrushS
   return {};
 }
 
-std::string carryOut(const SetValue& command, WindowSession& session) {
-  const PointSet points = changeableIn(session).set();
+namespace {
+
+// Returns the remark.
+std::string setValue(WindowSession& session, const PointSet& points, const SetValue& set) {
   const std::size_t count = points.count();
-  const ScalarType type = typeOf(session, command.field);
+  const ScalarType type = typeOf(session, set.field);
   std::vector<std::byte> values(count * sizeOf(type));
+  double number = 0;
   visitScalar(type, [&]<class T>(std::type_identity<T>) {
-    const T value = valueOf<T>(command.field, command.value);
+    const T value = valueOf<T>(set.field, set.value);
+    number = static_cast<double>(value);
     for (std::size_t i = 0; i < count; ++i) std::memcpy(values.data() + i * sizeof value, &value, sizeof value);
   });
-  session.setField(session.fieldNamed(command.field, type), points, std::move(values));
-  return fmt::format("{} of {} is {}", command.field, counted(count, "point"), command.value);
+  session.setField(set.field, type, points, std::move(values));
+  return fmt::format("{} of {} is {}", set.field, counted(count, "point"),
+                     set.field == kClassification ? lasClassText(number) : set.value);
+}
+
+}  // namespace
+
+std::string carryOut(const SetValue& command, WindowSession& session) {
+  return setValue(session, changeableIn(session).set(), command);
+}
+
+std::string label(WindowSession& session, const PointBits& found, const SetValue& label) {
+  session.session().require(Action::field, "label");
+  if (label.value.empty()) throw Error("nothing is labelled: choose a class, or type a value of {}", label.field);
+  if (found.count() == 0) throw Error("nothing is labelled: the model is not under the ball");
+  const PointBits free = found - PointBits(session.attributes().locked(pointsOf(session)), found.size());
+  if (free.count() == 0) throw Error("nothing is labelled: all points under the ball are locked");
+  return setValue(session, free.set(), label);
+}
+
+std::string carryOut(const KeepSelection& command, WindowSession& session) {
+  const PointBits selected = selectedIn(session);
+  typeOf(session, command.field);  // refuses names that no field can have
+  const std::vector<std::string> names = fieldNames(session.model().cloud, session.attributes().fields());
+  if (std::ranges::count(names, command.field) > 0)
+    throw Error("the model has a field {} already; choose another name for the selection", command.field);
+  session.setField(command.field, ScalarType::u8, selected.set(), std::vector(selected.count(), std::byte{1}));
+  return fmt::format("{} is 1 of {}, and 0 of all others", command.field, counted(selected.count(), "selected point"));
+}
+
+PointBits pointsWhere(const WindowSession& session, const std::string& condition, UpAxis up) {
+  requireSelect(session);
+  const std::span<const PointState> points = pointsOf(session);
+  const PointCloud present = editedCloud(session.model().cloud, points, session.attributes().fields());
+  CloudFields fields(present, {.mm_per_unit = mmPerUnit(present, session.config().model.mm_per_unit), .up = up});
+  const PointSet found = palpate::pointsWhere("where", condition, fields);
+  const PointBits among = selectable(session);
+  PointBits bits(points.size());
+  std::uint64_t row = 0;  // of the present points, which are in the order of their numbers
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].gone && found.test(row++) && among.test(i)) bits.set(i);
+  return bits;
 }
 
 std::string exportSelection(WindowSession& session, const std::string& document, const std::string& file,

@@ -26,11 +26,17 @@ void select(WindowSession& session, const PointBits& found, Combine how);
 PointBits changeable(const WindowSession& session);
 /// Moves those.
 void moveChangeable(WindowSession& session, const MovePoints& move);
+/// The points for which an expression holds, of those that can be selected. `up`: of the field height. Throws
+/// ExpressionError with the column.
+PointBits pointsWhere(const WindowSession& session, const std::string& condition, UpAxis up);
 /// Carries out what does not concern the outline. Returns a remark for the user, or an empty text.
 std::string carryOut(SelectCommand command, WindowSession& session, const BrushSettings& brush);
-/// A field of that name is made if it is missing. Returns a remark. Throws Error also for a value that the
-/// field's type cannot have.
+/// Set a field, which is made if it is missing, as one change. Return a remark. Throw Error also for a value that the
+/// field's type cannot have, and for a field of that name which would lose its values.
 std::string carryOut(const SetValue& command, WindowSession& session);
+std::string carryOut(const KeepSelection& command, WindowSession& session);
+/// The same of these points without those that brushes leave as they are.
+std::string label(WindowSession& session, const PointBits& found, const SetValue& label);
 /// Writes the selected points with all that the model has of them, and with `separates` removes them then. Returns a
 /// remark. Throws Error also for the model's own file, which is `document` if it was saved to another one, and
 /// FileError.

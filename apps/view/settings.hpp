@@ -9,13 +9,13 @@
 #include "apps/cli/look.hpp"
 #include "apps/view/session.hpp"
 #include "engine/cloud/length_text.hpp"
-#include "engine/render/frame_options.hpp"
+#include "haptics/session/colored_field.hpp"
 
 namespace palpate {
 
 /// How the model is shown, and how the mouse holds the stylus.
 struct ViewSettings {
-  ColorSource color = ColorSource::rgb;
+  ColorConfig color;
   std::optional<UpAxis> up;    ///< nothing: by the model's shape
   std::optional<DVec3> front;  ///< of a model that was turned; nothing: by its shape
   std::optional<LengthUnit> unit;
@@ -60,27 +60,31 @@ enum class WindowTool : std::uint8_t { sculpt, select, look };
 inline constexpr std::array<std::pair<std::string_view, WindowTool>, 3> kWindowTools{
     {{"sculpting", WindowTool::sculpt}, {"selecting", WindowTool::select}, {"looking", WindowTool::look}}};
 
-/// How points are selected: drawn, by one that is clicked, or by a volume in the model; `move` is the box by which the
-/// selected points are moved.
-enum class SelectShape : std::uint8_t { rectangle, lasso, polygon, brush, flood, same, box, ball, plane, move };
-inline constexpr std::array<std::pair<std::string_view, SelectShape>, 10> kSelectShapes{
+/// How points are selected: drawn, by one that is clicked, or by a volume in the model. `label` gives the points under
+/// the ball a value in place of selecting them; `move` is the box by which the selected points are moved.
+enum class SelectShape : std::uint8_t { rectangle, lasso, polygon, brush, flood, same, label, box, ball, plane, move };
+inline constexpr std::array<std::pair<std::string_view, SelectShape>, 11> kSelectShapes{
     {{"rectangle", SelectShape::rectangle},
      {"lasso", SelectShape::lasso},
      {"polygon", SelectShape::polygon},
      {"brush ball", SelectShape::brush},
      {"flood", SelectShape::flood},
      {"same", SelectShape::same},
+     {"label", SelectShape::label},
      {"box", SelectShape::box},
      {"ball", SelectShape::ball},
      {"plane", SelectShape::plane},
      {"move", SelectShape::move}}};
+constexpr bool isBall(SelectShape shape) { return shape == SelectShape::brush || shape == SelectShape::label; }
 struct SelectSettings {
   SelectShape shape = SelectShape::rectangle;
   bool through = false;        ///< also points behind the first surface
-  double brush_mm = 5;         ///< radius
+  double brush_mm = 5;         ///< radius, also of the label brush
   bool floodsByColor = false;  ///< else by the direction of the normals
   double angle_deg = 15;       ///< largest angle to the normal of the clicked point
   int colorStep = 24;          ///< largest difference in red, green and blue each, of 255
+  /// What `label` and the button Set value set, as typed.
+  std::array<char, 512> field{"classification"}, value{};
 };
 
 /// All settings.

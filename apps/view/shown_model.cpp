@@ -9,9 +9,12 @@ namespace {
 
 constexpr std::array<std::uint8_t, 3> kLightBackground{236, 238, 240};
 
-FrameOptions frameOptions(const WindowSession& session, const ViewSettings& view, bool touched) {
+FrameOptions frameOptions(const WindowSession& session, const ViewSettings& view, const ColoredField* field,
+                          bool touched) {
   FrameOptions options;
-  options.color = view.color;
+  options.color = view.color.source().value_or(ColorSource::rgb);
+  if (field) options.color = field->colors(view.color);
+  options.colorMap = view.color.mapOf();
   if (!view.dark) options.background = kLightBackground;
   const Model& model = session.model();
   options.up = directionOf(view.upOf(model));
@@ -30,12 +33,21 @@ void ShownModel::forget() {
   mesh_.clear();
   picture_.forget();
   lines_.forget();
+  field_.forget();
   edited_ = {};
 }
 
 void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measure& measure, Messages& messages) {
   edited_ = session.takeBatch();
   lines_.follow(session, view, measure);
+  try {
+    field_.follow(session, edited_, view);
+  } catch (const DeviceLost&) {
+    throw;
+  } catch (const std::exception& error) {
+    view.color = {};
+    messages.sayError(error.what());
+  }
   if (!view.mesh) return mesh_.clear();
   try {
     if (session.config().moves()) throw Error("a moving model cannot be shown as triangles");
@@ -66,7 +78,7 @@ void ShownModel::fit(const UVec2& window_px, const ViewSettings& view) {
 
 bool ShownModel::aim(const WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched,
                      const DVec2& cursor_px) {
-  FrameOptions options = frameOptions(session, view, touched);
+  FrameOptions options = frameOptions(session, view, field(), touched);
   options.lines = lines_.lines();
   return picture_.aim(session, mesh_, camera, options, cursor_px);
 }

@@ -3,6 +3,7 @@
 
 #include "apps/view/model_picture.hpp"
 #include "apps/view/settings.hpp"
+#include "apps/view/shown_field.hpp"
 #include "apps/view/shown_lines.hpp"
 #include "apps/view/shown_mesh.hpp"
 
@@ -37,11 +38,14 @@ class ShownModel {
   const ModelPicture& picture() const { return picture_; }
   const ShownMesh& mesh() const { return mesh_; }
   const ShownLines& lines() const { return lines_; }
+  /// Null if points are not coloured by a field, or shown as triangles.
+  const ColoredField* field() const { return mesh_.triangleCount() > 0 ? nullptr : field_.field(); }
 
  private:
   ModelPicture picture_;
   ShownMesh mesh_;
   ShownLines lines_;
+  ShownField field_;
   EditBatch edited_;    // since the last frame
   double moved_s_ = 0;  // time of the last frame that differed from the one before
 };

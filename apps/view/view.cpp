@@ -22,6 +22,7 @@ namespace {
 struct ViewCommandOptions {
   std::vector<std::string> models;
   LookOptions look;
+  ColorConfig color;
   MotionOptions motion;
   StreamOptions stream;
   JoinOptionsGiven join;
@@ -77,6 +78,7 @@ std::unique_ptr<Window> openWindow(const ViewOptions& view) {
 void view(Context& context, const ViewCommandOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
+  validate(options.color);
   // A held device requires realtime, also while a script plays.
   const bool isHeld = options.device != "auto" && options.device != HeldDevice::kMouse;
   const bool realtime = options.script.empty() || options.realtime || isHeld;
@@ -88,6 +90,7 @@ void view(Context& context, const ViewCommandOptions& options) {
                    .axes = options.axes});
   ViewOptions view{.models = options.models,
                    .look = options.look,
+                   .color = options.color,
                    .resolution = std::stoi(options.resolution),
                    .size_px = {width, height},
                    .held = held};
@@ -178,6 +181,7 @@ void addView(Options& app, Context& context, Command& command) {
   addAllPointsOption(sub, options->keepUnreliable);
   addPrepareOptions(sub, options->prepare);
   addLookOptions(sub, options->look);
+  addSettings(sub, options->color, {});
   addWindowOptions(sub, *options);
   sub.add("--device", options->device,
           "device that moves the stylus: mouse (or keys and a gamepad); auto: the one that the window used last, and "
@@ -228,9 +232,10 @@ void addView(Options& app, Context& context, Command& command) {
   sub.heading("Depth camera");
   addStreamOptions(sub, options->stream);
   sub.heading("Options");
-  sub.helpShows({"--mm-per-unit", "--up",        "--unit",   "--size", "--script",      "--realtime",   "--device",
-                 "--backend",     "--surface",   "--edit",   "--rate", "--undo-memory", "--present",    "--join",
-                 "--partial",     "--interface", "--motion", "--live", "--fuse",        "--intrinsics", "--speed"});
+  sub.helpShows({"--mm-per-unit", "--up",      "--unit",       "--color-by", "--size",      "--script",
+                 "--realtime",    "--device",  "--backend",    "--surface",  "--edit",      "--rate",
+                 "--undo-memory", "--present", "--join",       "--partial",  "--interface", "--motion",
+                 "--live",        "--fuse",    "--intrinsics", "--speed"});
   sub.footer(
       "Hold Space and move the mouse over the model: it is the stylus now. Press the left button to "
       "touch, and to sculpt once a brush is chosen (keys 2 to 8). H shows all keys.\n");

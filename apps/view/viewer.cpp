@@ -27,6 +27,7 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
   view.up = upNamed(options.look.up);
   view.unit = unitNamed(options.look.unit);
   view.resolution = options.resolution;
+  view.color = options.color;
   // A script with its own clock need not wait for the display.
   if (script_.hasOwnClock()) view.waitsForDisplay = false;
   followDevice();
@@ -127,6 +128,7 @@ void Viewer::handle(const WindowEvent& event) {
   if (const auto* button = std::get_if<ButtonEvent>(&event)) {
     if (!button->down) pointing_.release(button->button, pointed());
     if (!button->down) messages_.tryTo([&] { select_.release(button->button, settings_.select, pointed()); });
+    if (const std::string remark = select_.takeRemark(); !remark.empty()) messages_.say(remark);
     if (pointing_.takeMiss()) messages_.say("nothing is measured: the model is not under the cursor");
     if (button->down && document_.isGivingWay() && pointing_.holdsStylus() && !gui_.wantsMouse())
       messages_.say("no stroke: " + document_.whyWaiting());
@@ -246,6 +248,9 @@ void Viewer::carryOut(const ViewCommand& command) {
   if (const auto* set = std::get_if<SetParameter>(&command)) session->setParameter(set->name, set->value);
   if (const auto* set = std::get_if<SetValue>(&command)) messages_.say(palpate::carryOut(*set, *session));
   carryOutVolume(command);
+  if (const auto* keep = std::get_if<KeepSelection>(&command)) messages_.say(palpate::carryOut(*keep, *session));
+  if (const auto* where = std::get_if<SelectWhere>(&command)) carryOut(*where);
+  if (const auto* range = std::get_if<SetColorRange>(&command)) carryOut(*range);
   // Opens the model again at the scale that gives the measure this length.
   if (const auto* length = std::get_if<SetTrueLength>(&command)) document_.openAtScale(measure_.scaleFor(length->text));
 }
@@ -295,13 +300,6 @@ void Viewer::carryOut(DeviceCommand command) {
     case DeviceCommand::forget:
       return held_.forget();
   }
-}
-
-void Viewer::carryOut(SelectCommand command) {
-  select_.carryOut(command, settings_.select, pointed());
-  if (command >= SelectCommand::closeOutline || !document_.session()) return;
-  const std::string remark = palpate::carryOut(command, *document_.session(), settings_.brush);
-  if (!remark.empty()) messages_.say(remark);
 }
 
 void Viewer::carryOut(const FileCommand& command) {
@@ -354,6 +352,7 @@ void Viewer::welcome() {
   fitCamera();
   events_.forgetSeen();
   panels_.closeFiles();  // the dialogue belonged to the model before
+  whereError_.clear();
   measure_.belongTo(session.file());
   if (const auto distance = measure_.distance())
     messages_.say(fmt::format("touch scale: the measured distance, {}, is {:.6g} mm long in the hand",

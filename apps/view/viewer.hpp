@@ -25,6 +25,7 @@ struct ViewOptions {
   BrushSettings brush;
   FeelSettings feel;
   LookOptions look;
+  ColorConfig color;
   int resolution = 128;  ///< of the triangles
   UVec2 size_px{1280, 720};
   HeldDevice& held;
@@ -59,6 +60,8 @@ class Viewer {
   void carryOut(const FileCommand& command);
   void carryOut(DeviceCommand command);
   void carryOut(SelectCommand command);
+  void carryOut(const SelectWhere& command);
+  void carryOut(const SetColorRange& command);
   void load();
   void rest();
   void letGo();
@@ -110,6 +113,7 @@ class Viewer {
   PointingDevices pointing_;
   SelectTool select_;
   CountedSelection selection_;
+  std::string whereError_;  // of the last condition
   Measure measure_;
   struct {
     std::uint64_t version = 0;  // of the measure

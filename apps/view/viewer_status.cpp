@@ -84,7 +84,12 @@ ViewStatus Viewer::status() {
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
     status.selection = selection_.of(*session);
     status.measuredAt_px = middleOfMeasure_px();
-    if (view.color == ColorSource::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));
+    if (view.color.source() == ColorSource::height)
+      status.legend = heightLegend(session->model(), view.upOf(session->model()), status.unit, view.color.mapOf());
+    status.field = shown_.field();
+    if (status.field) status.legend = status.field->legend(view.color);
+    status.fields = fieldNames(session->model().cloud, session->attributes().fields());
+    status.whereError = whereError_;
   }
   status.changesQuestion = document_.changesQuestion();
   status.isChanged = document_.isChanged();
@@ -124,6 +129,8 @@ void Viewer::writeState(const std::string& file) {
                           .draws = select_.isDrawing(),
                           .volume = drawnVolume(),
                           .view = settings_.view,
+                          .field = document_.shown() ? shown_.field() : nullptr,
+                          .whereError = whereError_,
                           .messages = messages_,
                           .notices = notices(),
                           .blocked = brushNotes_.blocked(),

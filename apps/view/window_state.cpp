@@ -126,6 +126,8 @@ constexpr Reported<WindowState> kWindow[]{
      [](const WindowState& w) -> Value { return w.select.through; }},
     {"selection.brush_mm", "mm", "radius of its brush",
      [](const WindowState& w) -> Value { return w.select.brush_mm; }},
+    {"selection.where_error", "", "what is wrong with the condition of the last selection; empty: nothing",
+     [](const WindowState& w) -> Value { return w.whereError; }},
     {"selection.drawn", "", "whether an outline is being drawn", field<&WindowState::draws>},
     {"selection.volume", "",
      "numbers of the box, ball or plane, as the panel shows them; empty: none, or a rotated box",
@@ -201,11 +203,22 @@ constexpr Reported<WindowState> kWindow[]{
      [](const WindowState& w) -> Value { return jsonBy(kDevice, w.held); }},
 };
 
+// Texts, since numbers of JSON have no 64 bits.
+Json fieldJson(const ColoredField& field, const ColorConfig& color) {
+  const auto [low, high] = field.range(color);
+  const FieldStatistics& all = field.statistics();
+  return {{"low", field.text(low)},     {"high", field.text(high)},   {"in_range", field.countIn({low, high})},
+          {"count", all.count},         {"missing", field.missing()}, {"min", field.text(all.min)},
+          {"max", field.text(all.max)}, {"mean", field.meanText()},   {"median", field.text(all.percentiles[3])},
+          {"deviation", all.deviation}};
+}
+
 // What is said only of an open model.
 struct OpenModel {
   const WindowSession& session;
   const Document& document;
   const ViewSettings& view;
+  const ColoredField* field;
   TraceRow tick;  // the last one
 };
 
@@ -217,8 +230,12 @@ constexpr Reported<OpenModel> kModel[]{
     {"stiffness_N_per_mm", "N/mm", "stiffness of the contact",
      [](const OpenModel& m) -> Value { return m.session.feel().stiffness_N_per_mm; }},
     {"up", "", "up axis", [](const OpenModel& m) -> Value { return nameOf(m.view.upOf(m.session.model())); }},
-    {"color", "", "what the points are coloured by",
-     [](const OpenModel& m) -> Value { return nameIn(kColorNames, m.view.color); }},
+    {"color", "", "what the points are coloured by: rgb, normal, depth, height, or a field",
+     [](const OpenModel& m) -> Value { return m.view.color.by; }},
+    {"color_map", "", "colours of numbers",
+     [](const OpenModel& m) -> Value { return nameOf(kColorMaps, m.view.color.mapOf()); }},
+    {"color_field", "", "numbers of the field that colours the points, of those that are shown; null: none does",
+     [](const OpenModel& m) -> Value { return m.field ? Json(fieldJson(*m.field, m.view.color)) : Json(nullptr); }},
     {"brush_radius_mm", "mm", "radius of the brush",
      [](const OpenModel& m) -> Value { return m.session.brushSettings().radius_mm; }},
     {"parameters", "", "parameters of a simulation, by name",
@@ -288,7 +305,8 @@ Json toJson(const WindowState& state) {
   Json json = jsonBy(kWindow, state);
   if (const WindowSession* const session = state.session()) {
     const auto& rows = session->recentTicks().rows();
-    addBy(json, kModel, OpenModel{*session, state.document, state.view, rows.empty() ? TraceRow{} : rows.back()});
+    addBy(json, kModel,
+          OpenModel{*session, state.document, state.view, state.field, rows.empty() ? TraceRow{} : rows.back()});
   }
   return json;
 }

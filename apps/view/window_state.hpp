@@ -23,6 +23,8 @@ struct WindowState {
   bool draws = false;  ///< an outline that selects, or a volume
   DrawnVolume volume;
   const ViewSettings& view;
+  const ColoredField* field = nullptr;  ///< that colours the points
+  const std::string& whereError;        ///< ViewStatus::whereError
   const Messages& messages;
   std::vector<std::string> notices;
   const std::string& blocked;  ///< ViewStatus::blocked

@@ -11,14 +11,8 @@ namespace palpate {
 void DrawnAttributes::follow(std::span<const AttributeChange> changes) {
   if (changes.empty()) return;
   device_.throughputQueue().finish();  // which may still read them
-  for (const AttributeChange& change : changes) {
-    if (const auto* const flipped = std::get_if<MaskFlip>(&change))
-      flip(*flipped);
-    else if (const auto* const of = std::get_if<FieldChange>(&change))
-      set(*of);
-    else if (std::get<FieldPresence>(change).field == field_)
-      field_.reset();  // another one has its number, if any
-  }
+  for (const AttributeChange& change : changes)
+    if (const auto* const flipped = std::get_if<MaskFlip>(&change)) flip(*flipped);
 }
 
 void DrawnAttributes::flip(const MaskFlip& flip) {
@@ -40,27 +34,26 @@ void DrawnAttributes::flip(const MaskFlip& flip) {
   });
 }
 
-void DrawnAttributes::set(const FieldChange& change) {
-  if (field_ != change.field) return;
-  const std::vector<float> values = floatsOf(type_, change.values);
+void DrawnAttributes::show(std::span<const float> numbers) {
+  device_.throughputQueue().finish();
+  if (!values_) values_.emplace(Buffer::of<float>(device_, count_, Memory::upload, "drawn numbers"));
   const std::span<float> seen = values_->mapped<float>();
-  auto next = values.begin();
-  change.points.forEach([&](std::uint64_t point) {
-    const float value = *next++;
-    if (point < seen.size()) seen[point] = value;
-  });
+  const std::size_t given = std::min(seen.size(), numbers.size());
+  std::ranges::copy(numbers.first(given), seen.begin());
+  std::ranges::fill(seen.subspan(given), std::nanf(""));
 }
 
-void DrawnAttributes::show(std::uint32_t number, const Field* field) {
+void DrawnAttributes::set(std::span<const std::pair<std::uint64_t, float>> numbers) {
+  if (!values_ || numbers.empty()) return;
   device_.throughputQueue().finish();
-  field_.reset();
-  if (!field) return;
-  if (!values_) values_.emplace(Buffer::of<float>(device_, count_, Memory::upload, "drawn field"));
-  std::vector<float> values = floatsOf(field->values.type, field->values.data);
-  values.resize(count_, std::nanf(""));
-  std::ranges::copy(values, values_->mapped<float>().begin());
-  field_ = number;
-  type_ = field->values.type;
+  const std::span<float> seen = values_->mapped<float>();
+  for (const auto& [point, number] : numbers)
+    if (point < seen.size()) seen[point] = number;
+}
+
+void DrawnAttributes::showNone() {
+  device_.throughputQueue().finish();
+  values_.reset();
 }
 
 const Buffer* DrawnAttributes::mask(MaskRole role) const {

@@ -209,7 +209,9 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .hidden = drawn.hidden,
                             .values = drawn.values,
                             .lowValue = static_cast<float>(range.low),
-                            .highValue = static_cast<float>(range.high)};
+                            .highValue = static_cast<float>(range.high),
+                            .colorMap = static_cast<std::uint32_t>(options.colorMap),
+                            .unused = 0};
   if (drawn.closeHoles) {
     const double radius_px = usual * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));

@@ -28,8 +28,6 @@ ImagePass imagePassNamed(std::string_view name) {
   return named<ImagePass>("pass", name, kChoices);
 }
 
-ColorSource colorByNamed(std::string_view name) { return named<ColorSource>("color", name, kColorNames); }
-
 Raster rasterNamed(std::string_view name) {
   static constexpr std::pair<std::string_view, Raster> kChoices[] = {{"compute", Raster::compute},
                                                                      {"hardware", Raster::hardware}};

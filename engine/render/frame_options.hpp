@@ -12,6 +12,7 @@
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/vec.hpp"
+#include "shaders/shared/ramp.h"
 #include "shaders/shared/render.h"
 
 namespace palpate {
@@ -34,9 +35,19 @@ enum class ColorSource : std::uint32_t {
   height = shared::kColorByHeight,  ///< along FrameOptions::up
 };
 
-/// The field that DrawnAttributes shows, through a ramp of colours over this range; NaN: the point's own colour.
+/// Colours of numbers.
+enum class ColorMap : std::uint32_t {
+  viridis = shared::kMapViridis,
+  turbo = shared::kMapTurbo,
+  grey = shared::kMapGrey,
+  redBlue = shared::kMapRedBlue,
+  classes = shared::kMapClasses,  ///< of whole numbers, not over a range
+};
+
+/// The numbers that DrawnAttributes shows, with colours over this range; points without one are grey.
 struct FieldColors {
   double low = 0, high = 1;
+  std::uint64_t version = 0;  ///< another one: the numbers differ
 
   bool operator==(const FieldColors&) const = default;
 };
@@ -59,9 +70,14 @@ inline constexpr std::array<std::pair<std::string_view, ColorSource>, 4> kColorN
                                                                                       {"depth", ColorSource::depth},
                                                                                       {"height", ColorSource::height}}};
 
+inline constexpr std::array<std::pair<std::string_view, ColorMap>, 5> kColorMaps{{{"viridis", ColorMap::viridis},
+                                                                                  {"turbo", ColorMap::turbo},
+                                                                                  {"grey", ColorMap::grey},
+                                                                                  {"red-blue", ColorMap::redBlue},
+                                                                                  {"classes", ColorMap::classes}}};
+
 /// By their names on the command line. Throw UsageError that lists the valid names.
 ImagePass imagePassNamed(std::string_view name);
-ColorSource colorByNamed(std::string_view name);
 Raster rasterNamed(std::string_view name);
 
 /// Drawn over the surface; parts behind the surface shine through. Model units relative to the cloud's origin.
@@ -112,6 +128,7 @@ struct SpaceLine {
 struct FrameOptions {
   ImagePass pass = ImagePass::final;
   ColorBy color = ColorSource::rgb;
+  ColorMap colorMap = ColorMap::viridis;  ///< of fields, depths and heights
   double splatRadius = 0;   ///< common radius of all points, model units; 0: each has its own (DrawnOptions::spacing)
   bool everyPoint = false;  ///< draws all points, even if a subset suffices because many share a sample
   bool closeHoles = true;   ///< fills gaps of a few spacings from the surface around them, also in depth

@@ -17,11 +17,12 @@ vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
   const vec3 low = args.frame.at[0].boundsMin, high = args.frame.at[0].boundsMax;
   const float near = args.frame.at[0].depthMin, far = args.frame.at[0].depthMax;
   if (colorBy == kColorByNormal) return toLinear(0.5 + 0.5 * normal);
-  if (colorBy == kColorByDepth) return toLinear(rampColor((far - depth) / max(far - near, 1e-30)));
+  const uint map = args.frame.at[0].colorMap;
+  if (colorBy == kColorByDepth) return toLinear(rampColor(map, (far - depth) / max(far - near, 1e-30)));
   if (colorBy == kColorByHeight) {
     const vec3 up = args.frame.at[0].up;
     const float bottom = min(dot(low, up), dot(high, up)), top = max(dot(low, up), dot(high, up));
-    return toLinear(rampColor((dot(position, up) - bottom) / max(top - bottom, 1e-30)));
+    return toLinear(rampColor(map, (dot(position, up) - bottom) / max(top - bottom, 1e-30)));
   }
   if (args.frame.at[0].hasColors == 0) return args.frame.at[0].material;
   const uvec2 size = args.frame.at[0].view.size_px;

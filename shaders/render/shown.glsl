@@ -20,8 +20,8 @@ uint shownColor(RenderFrames frame, Uints colors, uint point) {
   vec3 result = unpackUnorm4x8(color).rgb;
   if ((shown & kShownField) != 0) {
     const float value = uintBitsToFloat(frame.at[0].values.at[point]);
-    const float low = frame.at[0].lowValue, high = frame.at[0].highValue;
-    if (!isnan(value)) result = rampColor((value - low) / max(high - low, 1e-30));
+    result = isnan(value) ? kNoNumberColor
+                          : numberColor(frame.at[0].colorMap, value, frame.at[0].lowValue, frame.at[0].highValue);
   }
   if ((shown & kShownSelected) != 0 && isIn(frame.at[0].selected.at[point / 32], point))
     result = mix(result, kSelectedColor, kSelectedShare);

@@ -154,10 +154,12 @@ struct RenderFrame {
   uint smooth_px;  // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
   PALPATE_ADDRESS(Uints) selected;  // a bit for each point, like the next
   PALPATE_ADDRESS(Uints) hidden;
-  PALPATE_ADDRESS(Uints) values;  // bits of a float for each point, like the next two; NaN: it has its own colour
+  PALPATE_ADDRESS(Uints) values;  // bits of a float for each point; NaN: it has none
   float lowValue, highValue;      // ends of the ramp
+  uint colorMap;                  // kMap* of the ramp
+  uint unused;
 };
-PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52 + 32);
+PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52 + 40);
 
 #ifndef __cplusplus
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RenderFrames { RenderFrame at[]; };

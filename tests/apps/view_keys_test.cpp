@@ -156,6 +156,7 @@ TEST_CASE("help, curves, colours, background and screenshots follow their keys")
 1.3 key h
 1.4 click Tool
 1.5 click Look
+1.6 click Colours
 1.7 click colour by
 1.9 click normal
 2.2 screenshot %/normals.png

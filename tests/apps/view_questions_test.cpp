@@ -116,10 +116,10 @@ TEST_CASE("messages cover neither the scale bar nor the legend of heights") {
   for (const int width : {900, 520}) {
     CAPTURE(width);
     const auto played = playWell(fmt::format("%/sphere.ply --size {}x600", width), sphereOf(2000), R"(
-0.1 click Look
+0.1 click Colours
 0.2 click colour by
 0.3 click height
-0.4 click Look
+0.4 click Colours
 0.5 key backspace
 0.6 key backspace
 0.7 screenshot %/quiet.png

@@ -154,7 +154,7 @@ TEST_CASE("Escape closes a list first, and only then the measurement or dialogue
   const auto played = playWell("%/sphere.ply --size 480x600 --rate 250 --backend cpu", sphereOf(2000), R"(
 0.1 click Tool
 0.2 key d
-0.3 click Look
+0.3 click Colours
 0.5 click colour by
 0.7 key escape
 0.9 click height

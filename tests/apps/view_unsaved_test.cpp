@@ -129,6 +129,43 @@ TEST_CASE("a stroke on a splat scene is recovered, and saved with the same Gauss
   CHECK(same < scene.rows.size());
 }
 
+TEST_CASE("classes and kept selections survive SIGKILL, with their undo, and reach the saved file") {
+  if (!hasDisplay()) return;
+  Struck struck;
+  strike(struck, SIGKILL, R"(0.1 where x > 0
+0.2 value classification 6
+0.3 key s
+0.4 click name of the selection
+0.6 text half
+0.7 key enter
+)");
+  const auto end = jsonOf(struck.folder.path() / "end.json");
+  REQUIRE(end["undo_count"] == 3);
+  struck.later(R"(0.2 click Restore them
+0.5 state %/again.json
+0.6 save %/again.ply
+1.2 key ctrl+z
+1.3 key ctrl+z
+1.5 save %/undone.ply
+)");
+  const std::filesystem::path& path = struck.folder.path();
+  CHECK(jsonOf(path / "again.json")["undo_count"] == 3);
+  CHECK(jsonOf(path / "again.json")["selection"]["selected"] == end["selection"]["selected"]);
+  const PointCloud again = readPly(path / "again.ply");
+  REQUIRE(again.extra.size() == 2);
+  CHECK(again.extra[0].name == "classification");
+  CHECK(again.extra[1].name == "half");
+  int wrong = 0, chosen = 0;
+  for (std::size_t i = 0; i < again.size(); ++i) {
+    const bool isChosen = again.positions[i].x > 0;
+    chosen += isChosen;
+    wrong += again.extra[0].data[i] != std::byte(isChosen ? 6 : 0) || again.extra[1].data[i] != std::byte(isChosen);
+  }
+  CHECK(chosen == end["selection"]["selected"]);
+  CHECK(wrong == 0);
+  CHECK(readPly(path / "undone.ply").extra.empty());
+}
+
 TEST_CASE("strokes after a save under another name can be resumed without the first file") {
   if (!hasDisplay()) return;
   Struck struck;

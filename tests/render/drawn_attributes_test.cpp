@@ -2,7 +2,6 @@
 #include "engine/render/drawn_attributes.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "shaders/shared/ramp.h"
 #include "tests/labels.hpp"
@@ -60,7 +59,8 @@ class AttributesFixture : public PictureFixture {
  protected:
   Seen see(const DrawnCloud& cloud, const ColorBy& color = ColorSource::rgb, Raster raster = Raster::compute) {
     Frame& frame = frameOf(kSide_px, kSide_px, 1);
-    FrameOptions options{.pass = ImagePass::color, .color = color, .splatRadius = 0.04, .raster = raster};
+    FrameOptions options{
+        .pass = ImagePass::color, .color = color, .colorMap = map_, .splatRadius = 0.04, .raster = raster};
     options.closeHoles = false;
     draw(frame, cloud, Camera{.eye = {0, 0, 3}}, options);
     return {frame.readColor(), frame.readDepth()};
@@ -69,6 +69,7 @@ class AttributesFixture : public PictureFixture {
     if (!device.draws()) return {Raster::compute};
     return {Raster::compute, Raster::hardware};
   }
+  ColorMap map_ = ColorMap::viridis;
 };
 
 }  // namespace
@@ -111,60 +112,73 @@ TEST_CASE_FIXTURE(AttributesFixture, "selected points are tinted and hidden ones
   }
 }
 
-TEST_CASE_FIXTURE(AttributesFixture, "a field is drawn through a ramp over its range, and follows its changes") {
+TEST_CASE_FIXTURE(
+    AttributesFixture,
+    "numbers are drawn in the colours of each map, follow their changes, and are grey where there are none") {
   const PointCloud cloud = planeCloud(true);
-  Field field{.values = {"temperature", ScalarType::f64, {}}, .unit = "K"};
-  const auto put = [](std::vector<std::byte>& to, double value) {
-    const auto bytes = std::as_bytes(std::span(&value, 1));
-    to.insert(to.end(), bytes.begin(), bytes.end());
-  };
-  for (const Vec3& position : cloud.positions)
-    put(field.values.data, position.x < 0 ? 280 : std::numeric_limits<double>::quiet_NaN());
   const PointSet left = leftOf(cloud);
-  std::vector<std::byte> warmer;
-  left.forEach([&](std::uint64_t) { put(warmer, 320); });
-  const auto ramp = [](float share) { return DVec3(shared::rampColor(share)); };
-  for (const Raster raster : rasters()) {
-    CAPTURE(static_cast<int>(raster));
-    const FieldColors colors{.low = 260, .high = 340};
-    DrawnCloud drawn(device, cloud);
-    const Seen own = see(drawn, colors, raster);  // no field is shown
-    CHECK(isColor(own.left(), encoded(kGreen)));
-    drawn.attributes().show(3, &field);
-    const Seen seen = see(drawn, colors, raster);
-    CHECK(isColor(seen.left(), ramp(0.25f)));
-    CHECK(isColor(seen.right(), encoded(kGreen)));
-    CHECK(see(drawn, ColorSource::rgb, raster).color.rgba == own.color.rgba);
-    const auto changes = [&](std::uint32_t number) {
-      return std::vector<AttributeChange>{FieldChange{.field = number, .points = left, .values = warmer}};
-    };
-    drawn.attributes().follow(changes(2));
-    CHECK(see(drawn, colors, raster).color.rgba == seen.color.rgba);
-    drawn.attributes().follow(changes(3));
-    CHECK(isColor(see(drawn, colors, raster).left(), ramp(0.75f)));
-    const std::vector<AttributeChange> selects{MaskFlip{.points = left}};
-    drawn.attributes().follow(selects);
-    CHECK(isColor(see(drawn, colors, raster).left(), tinted(ramp(0.75f))));
-    drawn.attributes().follow(selects);
-    drawn.attributes().follow(std::vector<AttributeChange>{FieldPresence{.field = 2, .isPresent = false}});
-    CHECK(drawn.attributes().values() != nullptr);
-    drawn.attributes().follow(std::vector<AttributeChange>{FieldPresence{.field = 3, .isPresent = false}});
-    CHECK(see(drawn, colors, raster).color.rgba == own.color.rgba);
-    drawn.attributes().show(3, &field);
-    drawn.attributes().show(0, nullptr);
-    CHECK(see(drawn, colors, raster).color.rgba == own.color.rgba);
+  std::vector<float> numbers;
+  std::vector<std::pair<std::uint64_t, float>> warmer;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    numbers.push_back(left.test(i) ? 280.0f : std::nanf(""));
+    if (left.test(i)) warmer.emplace_back(i, 320.0f);
   }
+  warmer.emplace_back(1'000'000, 1.0f);  // beyond the drawn points
+  for (const Raster raster : rasters())
+    for (const auto& [name, map] : kColorMaps) {
+      CAPTURE(static_cast<int>(raster));
+      CAPTURE(name);
+      map_ = map;
+      const auto expected = [&](float number) {
+        return DVec3(shared::numberColor(static_cast<std::uint32_t>(map), number, 260, 340));
+      };
+      FieldColors colors{.low = 260, .high = 340};
+      DrawnCloud drawn(device, cloud);
+      const Seen own = see(drawn, colors, raster);  // no numbers are shown
+      CHECK(isColor(own.left(), encoded(kGreen)));
+      drawn.attributes().show(numbers);
+      const Seen seen = see(drawn, colors, raster);
+      CHECK(isColor(seen.left(), expected(280)));
+      CHECK(isColor(seen.right(), DVec3(shared::kNoNumberColor)));
+      CHECK(see(drawn, ColorSource::rgb, raster).color.rgba == own.color.rgba);
+      drawn.attributes().set(warmer);
+      CHECK(isColor(see(drawn, colors, raster).left(), expected(320)));
+      const std::vector<AttributeChange> selects{MaskFlip{.points = left}};
+      drawn.attributes().follow(selects);
+      CHECK(isColor(see(drawn, colors, raster).left(), tinted(expected(320))));
+      drawn.attributes().follow(selects);
+      colors = {.low = 400, .high = 400};  // below an empty range
+      if (map != ColorMap::classes)
+        CHECK(isColor(see(drawn, colors, raster).left(), DVec3(shared::rampColor(static_cast<std::uint32_t>(map), 0))));
+      drawn.attributes().showNone();
+      CHECK(see(drawn, colors, raster).color.rgba == own.color.rgba);
+    }
+}
+
+TEST_CASE("ramps begin and end with the colours of their maps, and standard classes are told apart") {
+  const auto at = [](std::uint32_t map, float x) { return DVec3(shared::rampColor(map, x)) * 255.0; };
+  const auto is = [](const DVec3& seen, const DVec3& expected) { return glm::distance(seen, expected) < 1; };
+  CHECK(is(at(shared::kMapViridis, 0), {68, 1, 84}));
+  CHECK(is(at(shared::kMapViridis, 0.5f), {33, 145, 140}));
+  CHECK(is(at(shared::kMapViridis, 1), {253, 231, 37}));
+  CHECK(is(at(shared::kMapTurbo, 1), {144, 13, 0}));
+  CHECK(is(at(shared::kMapGrey, 0.5f), {134, 134, 134}));
+  CHECK(is(at(shared::kMapRedBlue, 0), {178, 24, 43}));
+  CHECK(is(at(shared::kMapRedBlue, 0.5f), {247, 247, 247}));
+  CHECK(is(at(shared::kMapRedBlue, 1), {33, 102, 172}));
+  CHECK(is(at(shared::kMapViridis, -3), at(shared::kMapViridis, 0)));
+  for (int a = 0; a < 19; ++a)
+    for (int b = 0; b < a; ++b)
+      CHECK(glm::distance(shared::classColor(static_cast<float>(a)), shared::classColor(static_cast<float>(b))) > 0.1f);
 }
 
 TEST_CASE_FIXTURE(AttributesFixture, "points of masks and fields that the drawn cloud cannot hold are ignored") {
   const PointCloud cloud = planeCloud(false);
   DrawnCloud drawn(device, cloud);
   const Seen before = see(drawn);
-  Field field{.values = {"x", ScalarType::u8, std::vector<std::byte>(100)}};  // shorter than the cloud
-  drawn.attributes().show(0, &field);
+  drawn.attributes().show(std::vector<float>(100));  // fewer than the cloud has
   const std::vector<AttributeChange> changes{
-      MaskFlip{.role = MaskRole::hidden, .points = PointSet::range(1'000'000, 1'010'000)},
-      FieldChange{.field = 0, .points = PointSet::range(90'000, 90'002), .values = {{}, {}}}};
+      MaskFlip{.role = MaskRole::hidden, .points = PointSet::range(1'000'000, 1'010'000)}};
   drawn.attributes().follow(changes);
   CHECK(see(drawn).color.rgba == before.color.rgba);
 }

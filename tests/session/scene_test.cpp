@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cstring>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
@@ -113,8 +114,9 @@ TEST_CASE("a field of a session is set, undone, and written with the points") {
     const PointCloud cloud = session.sculpted().cloud;
     REQUIRE(cloud.extra.size() == 1);
     CHECK(cloud.extra[0].name == "temperature");
-    const std::vector<float> values = floatsOf(cloud.extra[0].type, cloud.extra[0].data);
-    REQUIRE(values.size() == cloud.size());
+    REQUIRE(cloud.extra[0].data.size() == cloud.size() * sizeof(float));
+    std::vector<float> values(cloud.size());
+    std::memcpy(values.data(), cloud.extra[0].data.data(), cloud.extra[0].data.size());
     return values;
   };
   CHECK(std::ranges::count(written(), 300.0f) == 50);
@@ -137,6 +139,33 @@ TEST_CASE("a field of a session is set, undone, and written with the points") {
   CHECK(refused(field, 4000, 50) == "temperature: the model has no point 4049");
   CHECK(refused(field, 100, 49) == "temperature: 50 points require 200 bytes, not 196");
   CHECK(session.strokes().undoCount == 2);
+}
+
+TEST_CASE("values of a field that is missing are one change, which undo takes back with the field") {
+  FollowedSession made;
+  Session& session = made.session;
+  const auto ones = [](std::size_t count) { return std::vector<std::byte>(count, std::byte{1}); };
+  session.setField("chosen", ScalarType::u8, PointSet::range(100, 150), ones(50));
+  CHECK(session.strokes().undoCount == 1);
+  const auto count = [&] { return std::ranges::count(session.sculpted().cloud.extra.at(0).data, std::byte{1}); };
+  CHECK(count() == 50);
+  CHECK(session.sculpted().cloud.extra[0].data[149] == std::byte{1});
+  session.setField("chosen", ScalarType::u8, PointSet::range(0, 10), ones(10));
+  CHECK(session.strokes().undoCount == 2);
+  CHECK(count() == 60);
+  session.undo(1, 0);
+  CHECK(count() == 50);
+  session.undo(1, 0);
+  CHECK(made.attributes().fields().empty());
+  session.undo(0, 1);
+  CHECK(count() == 50);
+  const auto refused = [&](const char* name, ScalarType type, std::uint64_t first, std::size_t values) {
+    return errorOf<Error>([&] { session.setField(name, type, PointSet::range(first, first + 2), ones(values)); });
+  };
+  CHECK(refused("chosen", ScalarType::u16, 0, 4) == "chosen: its values are uchar, not ushort");
+  CHECK(refused("other", ScalarType::u8, 0, 1) == "other: 1 values for 2 points, the last of which is 1");
+  CHECK(refused("other", ScalarType::u8, 90'000, 2) == "other: 2 values for 2 points, the last of which is 90001");
+  CHECK(made.attributes().fields().size() == 1);
 }
 
 TEST_CASE("masks and fields are refused as the table says, and by a session that does not follow its points") {

@@ -59,17 +59,6 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
   session.undo(1, 0);
   CHECK(seen(early).rgba == before.rgba);
   CHECK_FALSE(follower->drawn().attributes().mask(MaskRole::hidden));
-
-  const std::uint32_t field = session.fieldNamed("heat");
-  follower->drawn().attributes().show(field, &layer.attributes.fields()[field]);
-  const float hot = 5;
-  const auto bytes = std::as_bytes(std::span(&hot, 1));
-  session.setField(field, PointSet::range(7, 8), {bytes.begin(), bytes.end()});
-  const auto shown = [&] { return follower->drawn().attributes().values()->mapped<float>(); };
-  CHECK(shown()[7] == 5);
-  CHECK(shown()[8] == 0);
-  session.undo(1, 0);
-  CHECK(shown()[7] == 0);
 }
 
 TEST_SUITE_END();

@@ -1,0 +1,39 @@
+// The part of Viewer that selects, and sets the range of the colours.
+#include "apps/view/viewer.hpp"
+#include "engine/core/error.hpp"
+#include "engine/select/expression.hpp"
+
+namespace palpate {
+
+void Viewer::carryOut(SelectCommand command) {
+  select_.carryOut(command, settings_.select, pointed());
+  if (command >= SelectCommand::closeOutline || !document_.session()) return;
+  const std::string remark = palpate::carryOut(command, *document_.session(), settings_.brush);
+  if (!remark.empty()) messages_.say(remark);
+}
+
+void Viewer::carryOut(const SelectWhere& command) {
+  WindowSession& session = *document_.session();
+  const Combine how = combineBy(command.adds, command.removes);
+  if (!command.condition) {
+    const ColoredField* const field = shown_.field();
+    if (!field) throw Error("no range is shown: choose a field in Colours first");
+    return select(session, pointsInRange(field->field(), selectable(session), field->range(settings_.view.color)), how);
+  }
+  try {
+    whereError_.clear();
+    select(session, pointsWhere(session, *command.condition, settings_.view.upOf(session.model())), how);
+  } catch (const ExpressionError& error) {
+    whereError_ = error.what();
+  }
+}
+
+void Viewer::carryOut(const SetColorRange& command) {
+  if (!shown_.field()) return;
+  ColorConfig next = settings_.view.color;
+  next.range = command.text;
+  shown_.field()->range(next);  // refuses what is not a range
+  settings_.view.color = next;
+}
+
+}  // namespace palpate
