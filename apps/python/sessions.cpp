@@ -273,13 +273,16 @@ void bindPictures(py::class_<PySession>& session) {
           "render",
           [](PySession& self, const std::pair<std::uint32_t, std::uint32_t>& size, const std::optional<Vector>& eye,
              const std::optional<Vector>& target, const std::optional<Vector>& up, double fov, const std::string& color,
-             const std::optional<Color>& background, std::uint32_t samples) {
+             const std::optional<Color>& background, std::uint32_t samples, const std::string& colorMap,
+             const std::string& colorRange) {
             pp_picture_options options = pp_default_picture_options();
             options.width = size.first;
             options.height = size.second;
             options.samples = samples;
             options.fov_deg = fov;
             options.color = color.c_str();
+            options.color_map = colorMap.c_str();
+            options.color_range = colorRange.c_str();
             vectorOr(eye, options.has_eye, options.eye);
             vectorOr(target, options.has_target, options.target);
             vectorOr(up, options.has_up, options.up);
@@ -289,13 +292,16 @@ void bindPictures(py::class_<PySession>& session) {
           },
           py::arg("size") = std::pair(1280, 720), py::arg("eye") = py::none(), py::arg("target") = py::none(),
           py::arg("up") = py::none(), py::arg("fov") = 45.0, py::arg("color") = "rgb",
-          py::arg("background") = py::none(), py::arg("samples") = 4,
+          py::arg("background") = py::none(), py::arg("samples") = 4, py::arg("color_map") = "auto",
+          py::arg("color_range") = "auto",
           "render(size=(1280, 720), eye=None, target=None, up=None, fov=45, color='rgb', background=None, "
-          "samples=4)\n\n"
+          "samples=4, color_map='auto', color_range='auto')\n\n"
           "Draws the present points: uint8, height x width x 4, rows from the top. size: width, height,\n"
           "16384 at most. eye, target, up: model units; what is not given is chosen to fit the model. fov:\n"
-          "vertical, degrees. color: rgb, normal, depth, height. background: three of 0 to 255. samples: per pixel, 1\n"
-          "or 4.")
+          "vertical, degrees. color: rgb, normal, depth, height, or a field of the points. background: three of\n"
+          "0 to 255. samples: per pixel, 1 or 4. color_map: viridis, turbo, grey, red-blue, classes, or auto (classes\n"
+          "for the field classification, else viridis). color_range: 'LOW,HIGH', numbers or percentiles as 2%, of a\n"
+          "field; auto: 2%,98%, and of classes all.")
       .def(
           "mesh",
           [](PySession& self, std::uint32_t resolution, const std::string& surface, std::optional<double> radius_mm) {

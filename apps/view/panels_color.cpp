@@ -12,14 +12,6 @@ namespace palpate {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::optional<ColorMap>>, 6> kMapNames{
-    {{"auto", std::nullopt},
-     {"viridis", ColorMap::viridis},
-     {"turbo", ColorMap::turbo},
-     {"grey", ColorMap::grey},
-     {"red to blue", ColorMap::redBlue},
-     {"classes", ColorMap::classes}}};
-
 ImU32 colorOf(const Vec3& color, float opacity = 1) { return ImGui::GetColorU32({color.x, color.y, color.z, opacity}); }
 
 }  // namespace
@@ -37,7 +29,7 @@ void Panels::drawColor(const ViewStatus& status, WindowSettings& settings) {
     if (color.by == kClassification || color.map == ColorMap::classes) color.map.reset();
   }
   if (color.by == "rgb" || color.by == "normal") return;
-  choose("map", kMapNames, color.map);
+  choose("map", kColorMapChoices, color.map);
   if (color.source() && color.map == ColorMap::classes) color.map.reset();
   if (status.field) drawField(*status.field, color);
 }

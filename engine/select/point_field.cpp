@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "engine/core/error.hpp"
@@ -95,13 +96,15 @@ std::array<End, 2> endsIn(std::string_view setting, std::string_view text) {
 }  // namespace
 
 PointField::PointField(std::string_view setting, std::string_view name, const PointCloud& file,
-                       const std::vector<Field>& fields, const FieldOptions& options)
+                       const std::vector<Field>& fields, const FieldOptions& options, std::vector<std::string> others)
     : file_(file), name_(name) {
   CloudFields inFile(file, options);
   const auto found = inFile.find(name);
   const auto of = std::ranges::find(fields, name, [](const Field& each) { return std::string_view(each.values.name); });
-  if (!found && of == fields.end())
-    throw UsageError("{}: {}", setting, unknownName("field", name, fieldNames(file, fields)));
+  if (!found && of == fields.end()) {
+    std::ranges::move(fieldNames(file, fields), std::back_inserter(others));
+    throw UsageError("{}: {}", setting, unknownName("field", name, others));
+  }
   if (of != fields.end()) isWide_ = isWideType(of->values.type), unit_ = of->unit;
   if (!found) return;
   source_ = inFile.all()[*found];

@@ -21,9 +21,10 @@ namespace palpate {
 class PointField {
  public:
   /// `file`: the cloud before the first edit, which must outlive this. Computes what is not in the file. `setting`: of
-  /// the option, with which errors begin. Throws UsageError for an unknown field, and Stopped.
+  /// the option, with which errors begin; `others`: further words that it takes. Throws UsageError for an unknown
+  /// field, and Stopped.
   PointField(std::string_view setting, std::string_view name, const PointCloud& file, const std::vector<Field>& fields,
-             const FieldOptions& options);
+             const FieldOptions& options, std::vector<std::string> others = {});
 
   const std::string& name() const { return name_; }
   /// Whole numbers of 64 bits, which are shown to the last digit.

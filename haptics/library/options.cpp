@@ -170,7 +170,10 @@ PictureRequest pictureFrom(const pp_picture_options& options) {
   if (options.has_target) request.camera.target = vectorFrom(options.target, "target");
   if (options.has_up) request.camera.up = vectorFrom(options.up, "up");
   request.camera.fov_deg = options.fov_deg;
-  request.color = chosen(kColorNames, options.color, ColorSource::rgb, "color");
+  if (options.color) request.color.by = options.color;
+  request.color.map = chosen(kColorMapChoices, options.color_map, std::optional<ColorMap>(), "color_map");
+  if (options.color_range) request.color.range = options.color_range;
+  validate(request.color, kPictureColors);
   if (options.has_background)
     request.background = {options.background[0], options.background[1], options.background[2]};
   return request;

@@ -12,21 +12,11 @@ namespace palpate {
 
 namespace {
 
-constexpr const char* kBy = "--color-by";
-constexpr const char* kRange = "--color-range";
-
-constexpr std::array<std::pair<std::string_view, std::optional<ColorMap>>, 6> kMaps{{{"auto", std::nullopt},
-                                                                                     {"viridis", ColorMap::viridis},
-                                                                                     {"turbo", ColorMap::turbo},
-                                                                                     {"grey", ColorMap::grey},
-                                                                                     {"red-blue", ColorMap::redBlue},
-                                                                                     {"classes", ColorMap::classes}}};
-
 constexpr Setting<ColorConfig> kColor[]{
     {"by", &ColorConfig::by, "--color-by,--color",
      "rgb (of the file, else one material), normal, depth, height (with a legend), or a field of the points, as "
      "intensity, classification, z or roughness (with a legend; grey: no number)"},
-    {"map", words<&ColorConfig::map, kMaps>(), "--color-map",
+    {"map", words<&ColorConfig::map, kColorMapChoices>(), "--color-map",
      "colours of numbers: viridis, turbo, grey, red-blue (white in the middle), classes (of LAS), or auto (classes for "
      "the field classification, else viridis)"},
     {"range", &ColorConfig::range, "--color-range",
@@ -80,10 +70,10 @@ ColorMap ColorConfig::mapOf() const {
 
 std::span<const Setting<ColorConfig>> settingsOf(const ColorConfig*) { return kColor; }
 
-void validate(const ColorConfig& config) {
-  if (config.range != "auto") checkRange(kRange, config.range);
+void validate(const ColorConfig& config, const ColorNames& names) {
+  if (config.range != "auto") checkRange(names.range, config.range);
   if (config.map == ColorMap::classes && config.source())
-    throw UsageError("--color-map: classes are numbers of a field; name it with --color-by, as classification");
+    throw UsageError("{}: classes are numbers of a field; name it with {}, as classification", names.map, names.by);
 }
 
 Legend legendOf(std::string_view name, LengthUnit unit, double low, double high, ColorMap map) {
@@ -95,8 +85,10 @@ Legend legendOf(std::string_view name, LengthUnit unit, double low, double high,
 }
 
 ColoredField::ColoredField(const ColorConfig& config, const PointCloud& file, const std::vector<Field>& fields,
-                           const FieldOptions& options, LengthUnit unit)
-    : field_(kBy, config.by, file, fields, options), unit_(unitOf(field_, unit)) {}
+                           const FieldOptions& options, LengthUnit unit, const ColorNames& names)
+    : field_(names.by, config.by, file, fields, options, namesOf(kColorNames)),
+      names_(names),
+      unit_(unitOf(field_, unit)) {}
 
 void ColoredField::read(std::span<const PointState> states, const std::vector<Field>& fields, const PointBits& shown) {
   field_.read(states, fields);
@@ -148,7 +140,7 @@ std::pair<double, double> ColoredField::range(const ColorConfig& config) const {
   const std::string_view text = !isAuto                               ? std::string_view(config.range)
                                 : config.mapOf() == ColorMap::classes ? "0%,100%"
                                                                       : "2%,98%";
-  return rangeIn(kRange, text, field_, sorted_);
+  return rangeIn(names_.range, text, field_, sorted_);
 }
 
 FieldColors ColoredField::colors(const ColorConfig& config) const {

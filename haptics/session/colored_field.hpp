@@ -1,6 +1,7 @@
 // Pictures whose points are coloured by their numbers: settings, range of colours, and legend. Independent of Vulkan.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -16,6 +17,14 @@
 
 namespace palpate {
 
+inline constexpr std::array<std::pair<std::string_view, std::optional<ColorMap>>, 6> kColorMapChoices{
+    {{"auto", std::nullopt},
+     {"viridis", ColorMap::viridis},
+     {"turbo", ColorMap::turbo},
+     {"grey", ColorMap::grey},
+     {"red-blue", ColorMap::redBlue},
+     {"classes", ColorMap::classes}}};
+
 /// What the colours of a picture show.
 struct ColorConfig {
   std::string by = "rgb";       ///< a name of kColorNames, or a field
@@ -27,8 +36,12 @@ struct ColorConfig {
   bool operator==(const ColorConfig&) const = default;
 };
 std::span<const Setting<ColorConfig>> settingsOf(const ColorConfig*);
+/// What errors call these settings: options of the command line, or other names.
+struct ColorNames {
+  std::string_view by = "--color-by", map = "--color-map", range = "--color-range";
+};
 /// Throws UsageError for a range, or a colour map that does not suit `by`.
-void validate(const ColorConfig& config);
+void validate(const ColorConfig& config, const ColorNames& names = {});
 
 /// What a legend shows, beside the picture.
 struct Legend {
@@ -53,7 +66,7 @@ class ColoredField {
  public:
   /// As PointField; `unit`: of the model's lengths.
   ColoredField(const ColorConfig& config, const PointCloud& file, const std::vector<Field>& fields,
-               const FieldOptions& options, LengthUnit unit);
+               const FieldOptions& options, LengthUnit unit, const ColorNames& names = {});
 
   const PointField& field() const { return field_; }
   /// Takes all points: PointField::read(). `shown`: those whose numbers count.
@@ -90,6 +103,7 @@ class ColoredField {
   void count();
 
   PointField field_;
+  ColorNames names_;
   std::string unit_;
   std::vector<double> sorted_;  // of the shown points
   FieldStatistics statistics_;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "engine/cloud/edited_cloud.hpp"
 #include "engine/edit/history.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/render/frame.hpp"
+#include "engine/select/prepared_cloud.hpp"
 #include "haptics/session/framing.hpp"
 
 namespace palpate {
@@ -18,6 +20,19 @@ void SessionPicture::follow(const EditBatch& batch) {
     drawn_.reset();  // the next picture copies all points again
     throw;
   }
+}
+
+FieldColors SessionPicture::show(const Layer& layer, const History* history, const ColorConfig& color) {
+  const Model& model = *layer.model;
+  ColoredField field(color, model.cloud, layer.attributes.fields(),
+                     {.mm_per_unit = mmPerUnit(model.cloud, 0), .up = model.upright.up},
+                     unitSaidIn(model.cloud.storedAs.comments), kPictureColors);
+  std::vector<PointState> loaded;
+  if (!history) loaded = statesOf(model.cloud);
+  const std::span<const PointState> states = history ? std::span<const PointState>(history->points()) : loaded;
+  field.read(states, layer.attributes.fields(), shownPoints(states, layer.attributes.mask(MaskRole::hidden)));
+  drawn_->attributes().show(field.floats());
+  return field.colors(color);
 }
 
 Image SessionPicture::draw(const Layer& layer, const History* history, const PictureRequest& request) {
@@ -38,7 +53,10 @@ Image SessionPicture::draw(const Layer& layer, const History* history, const Pic
   }
   drawn_->closeSurface();
   const UpAxis up = model.upright.up;
-  const FrameOptions options{.color = request.color,
+  ColorBy color = request.color.source().value_or(ColorSource::rgb);
+  if (!request.color.source()) color = show(layer, history, request.color);
+  const FrameOptions options{.color = color,
+                             .colorMap = request.color.mapOf(),
                              .splatRadius = discRadiusOf(model),
                              .up = directionOf(up),
                              .shown = model.shown,

@@ -23,10 +23,13 @@ class SessionPicture {
   /// Applies the edits since the last call or picture.
   void follow(const EditBatch& batch);
   /// `history`: of the session, whose edits include all that follow() has received; null if nothing is edited. Throws
-  /// UsageError for an invalid picture, OutOfGpuMemory.
+  /// UsageError for an invalid picture, or a field that the points do not have, OutOfGpuMemory.
   Image draw(const Layer& layer, const History* history, const PictureRequest& request);
 
  private:
+  /// The colours of a field that is asked for.
+  FieldColors show(const Layer& layer, const History* history, const ColorConfig& color);
+
   Device& sight_;
   std::optional<DrawnCloud> drawn_;
 };

@@ -107,6 +107,28 @@ TEST_CASE("a field that cannot be shown is refused in one sentence, and nothing 
   CHECK_FALSE(std::filesystem::exists(folder / "i.png"));
 }
 
+TEST_CASE("pictures of touched models show fields, and a window without the field says so and opens") {
+  const ScratchFolder folder;
+  const std::string sphere = (folder / "s.ply").string(), image = (folder / "i.png").string();
+  works("--quiet make sphere -n 3000 -o " + sphere);
+  for (const char* backend : {"cpu", "vulkan"}) {
+    CAPTURE(backend);
+    const auto touched = [&](const std::string& color) {
+      works("--quiet touch " + sphere + " --backend " + backend +
+            " --edit push --penetration 3 --duration 0.2 --rate 250 --size 160x120 --picture " + image + " " + color);
+      return Picture(image);
+    };
+    const Picture heights = touched("--color-by y --color-map grey");
+    CHECK(hueAt(heights, 0.5, 0.3).z > 0.95);
+    CHECK(differing(heights, touched("--color-by y --color-map turbo"), 80, 60, 30) > 1000);
+  }
+  if (!hasDisplay()) return;
+  const auto played = playWell("%/sphere.ply --size 600x400 --rate 250 --color-by clasification", sphereOf(500),
+                               "0.2 state %/opened.json\n0.3 quit\n");
+  CHECK(says(played->state("opened.json")["errors"].dump(), "--color-by: unknown field 'clasification'"));
+  CHECK(played->state("opened.json")["color"] == "rgb");
+}
+
 TEST_CASE("the window colours by a field, selects its range, and changes nothing that is saved") {
   if (!hasDisplay()) return;
   const auto played = playWell(kSheets, makeSheets, R"(
@@ -125,6 +147,10 @@ TEST_CASE("the window colours by a field, selects its range, and changes nothing
 2.0 state %/typed.json
 2.1 click Select range
 2.3 state %/selected.json
+2.3 key ctrl+z
+2.3 key s
+2.35 key g
+2.4 state %/by_key.json
 2.4 click range
 2.5 key ctrl+a
 2.6 text 7
@@ -150,6 +176,7 @@ TEST_CASE("the window colours by a field, selects its range, and changes nothing
   CHECK(shown["color_field"]["deviation"].get<double>() == near(17.3, 0.1));
   CHECK(typed["color_field"]["in_range"] == 10 * 100);
   CHECK(selectedIn(*played, "selected.json") == 1000);
+  CHECK(selectedIn(*played, "by_key.json") == 1000);
   CHECK(says(played->state("wrong.json")["errors"].dump(), "'7' is not LOW,HIGH"));
   CHECK(played->state("wrong.json")["color_field"]["in_range"] == 1000);
   // The middle of the histogram is nearer to one end, which goes there.
@@ -167,7 +194,9 @@ TEST_CASE("a selection is kept as a field, which an expression finds; its errors
   const auto played = playWell(kSheets, makeSheets, R"(
 0.1 key ctrl+1
 0.2 key s
-0.3 where intensity >= 40 && z > 0
+0.2 where intensity == 5
+0.3 key delete
+0.4 where intensity >= 40 && z > 0
 0.5 state %/where.json
 0.6 click name of the selection
 0.8 text right
@@ -195,7 +224,7 @@ TEST_CASE("a selection is kept as a field, which an expression finds; its errors
 4.0 quit
 )");
   CHECK(selectedIn(*played, "where.json") == 20 * 50);
-  CHECK(played->state("kept.json")["undo_count"] == 2);
+  CHECK(played->state("kept.json")["undo_count"] == 4);  // two selections, a removal, the field
   CHECK(says(played->state("kept.json")["last_message"].get<std::string>(), "right is 1 of 1000 selected points"));
   CHECK(selectedIn(*played, "found.json") == 1000);
   const auto errorIn = [&](const char* name) {
@@ -205,7 +234,7 @@ TEST_CASE("a selection is kept as a field, which an expression finds; its errors
   CHECK(says(errorIn("wrong.json"), "where: column 9: a value is expected after '=='"));
   CHECK(selectedIn(*played, "wrong.json") == 1000);  // it stays
   CHECK(says(errorIn("unknown.json"), "did you mean 'right'?"));
-  CHECK(selectedIn(*played, "others.json") == 6200);
+  CHECK(selectedIn(*played, "others.json") == 7200 - 100 - 1000);
   CHECK(errorIn("others.json").empty());
   CHECK(says(played->state("refused.json")["errors"].dump(), "has a field right already"));
   const PointCloud kept = cloudOf(*played, "kept.ply");

@@ -113,6 +113,28 @@ TEST_CASE("a picture shows the ball from the requested view, with its dents") {
   CHECK(different < above.size() / 100);  // the discs around the stroke were measured again
 }
 
+TEST_CASE("a picture shows a field of the present points in the colours of a map over a range") {
+  const OpenBall ball(cpuOptions(), 6'000);
+  Picture picture;
+  pp_picture_options view = picture.options();
+  view.color = "y";  // up
+  view.color_map = "red-blue";
+  const auto redOf = [&](int y) {
+    const std::size_t at = (static_cast<std::size_t>(y) * 160 + 80) * 4;
+    return static_cast<int>(picture.rgba[at]) - static_cast<int>(picture.rgba[at + 2]);
+  };
+  picture.take(ball.session, view);
+  CHECK(redOf(92) > 20);   // low
+  CHECK(redOf(40) < -20);  // high
+  view.color_range = "1000,2000";
+  picture.take(ball.session, view);
+  CHECK(redOf(40) > 20);
+  view.color_map = view.color_range = nullptr;
+  view.color = "verticality";
+  picture.take(ball.session, view);
+  CHECK(redOf(60) > 0);  // yellow
+}
+
 TEST_CASE("a picture with an invalid size, buffer or camera is refused, and a valid one can be written") {
   const OpenBall ball(cpuOptions(), 2'000);
   Picture picture;
@@ -122,7 +144,17 @@ TEST_CASE("a picture with an invalid size, buffer or camera is refused, and a va
   CHECK(pp_session_render(ball.session, &view, nullptr, rgba.size()) == PP_ERROR_ARGUMENT);
   view.color = "plaid";
   CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("color: unknown field 'plaid'"));
   CHECK(lastErrorSays("height"));
+  view = picture.options();
+  view.color_map = "plaid";
+  CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("red-blue"));
+  view = picture.options();
+  view.color = "y";
+  view.color_range = "3";
+  CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("color_range: '3' is not LOW,HIGH"));
   view = picture.options();
   view.width = 0;
   CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);

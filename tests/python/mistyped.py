@@ -11,7 +11,7 @@ def misspelt(cloud: pp.Cloud) -> None:
     session = pp.Session(cloud, surface="sharp", tool="pad")
     session.stroke(path, "push", radius_mm=4, resample=False)
     session.set_brush(None)
-    session.render(color="height")
+    session.render(color="height", color_map="turbo")
     session.mesh(surface="density")
     session.live(builtin="press")
     pp.Session(cloud, surface="shrap")  # wrong
@@ -26,6 +26,6 @@ def misspelt(cloud: pp.Cloud) -> None:
     session.stroke(path, "push", raduis_mm=4)  # wrong
     session.stroke(path, "push", radius_mm="4")  # wrong
     session.set_brush("crave")  # wrong
-    session.render(color="hieght")  # wrong
+    session.render(color="z", color_map="viridsi")  # wrong
     session.mesh(surface="densty")  # wrong
     session.live(builtin="slied")  # wrong

@@ -41,7 +41,7 @@ def test_each_hint_lists_exactly_the_words_that_the_library_accepts(ball: pp.Clo
         assert words_in_error(lambda: session.mask(wrong)) == set(get_args(_types.MaskKind))
         assert words_in_error(lambda: session.set_brush(wrong)) == set(get_args(_types.BrushKind))
         assert words_in_error(lambda: session.mesh(surface=wrong)) == set(get_args(_types.MeshSurface))
-        assert words_in_error(lambda: session.render(color=wrong)) == set(get_args(_types.ColorBy))
+        assert words_in_error(lambda: session.render(color_map=wrong)) == set(get_args(_types.ColorMap))
         assert words_in_error(lambda: session.live(builtin=wrong)) == set(get_args(_types.BuiltinPath)) - {"stir"}
 
 

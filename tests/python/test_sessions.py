@@ -151,6 +151,8 @@ def test_pictures_are_arrays_with_the_ball_in_the_middle(session):
     assert behind[0, 0] and behind[-1, -1] and not behind[60, 80]
     above = session.render((160, 120), eye=(0, 0, 150), target=(0, 0, 0), up=(0, 1, 0), background=(255, 0, 255))
     assert not np.array_equal(above, img)
+    low = session.render((160, 120), color="y", color_map="red-blue", color_range="1000,2000").astype(int)
+    assert low[60, 80, 0] > low[60, 80, 2] + 20
     assert session._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(pp.UsageError):
         session.render((0, 120))

@@ -10,7 +10,7 @@ from ._types import (
     Backend,
     BrushKind,
     BuiltinPath,
-    ColorBy,
+    ColorMap,
     MaskKind,
     MeshSurface,
     SessionOptions,
@@ -291,9 +291,11 @@ class _Session:
         target: Sequence[float] | None = ...,
         up: Sequence[float] | None = ...,
         fov: float = ...,
-        color: ColorBy = ...,
+        color: str = ...,
         background: Sequence[int] | None = ...,
         samples: int = ...,
+        color_map: ColorMap = ...,
+        color_range: str = ...,
     ) -> NDArray[np.uint8]: ...
     def mesh(self, resolution: int = ..., surface: MeshSurface = ..., radius_mm: float | None = ...) -> Mesh: ...
     def add_frame(

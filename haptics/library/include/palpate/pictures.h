@@ -26,9 +26,15 @@ typedef struct pp_picture_options {
   double target[3];        /**< position that it looks at, model units */
   double up[3];            /**< direction that is up in the picture, of any length but 0 */
   double fov_deg;          /**< vertical field of view, degrees, 1 to 170 */
-  const char* color;       /**< "rgb", "normal", "depth" or "height"; null: rgb */
+  const char* color;       /**< "rgb", "normal", "depth", "height", or a field of the points; null: rgb */
   uint8_t background[4];   /**< red green blue; the fourth is not used */
   uint32_t reserved;       /**< not used */
+  /** Colours of depths, heights and fields: "viridis", "turbo", "grey", "red-blue", "classes" (of LAS, of a field);
+   * null or "auto": classes for the field classification, else viridis */
+  const char* color_map;
+  /** "LOW,HIGH" of a field: the numbers at the ends of the colours, or percentiles as 2%,98%; null or "auto": those
+   * percentiles, and of classes all */
+  const char* color_range;
 } pp_picture_options;
 PP_OPTIONS(picture_options)
 /** Draws the present points into `rgba`: rows from the top, 4 bytes for each pixel; `bytes` is the size of the buffer.
