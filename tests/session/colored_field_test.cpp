@@ -77,6 +77,8 @@ TEST_CASE("a legend has the ends of its range and round numbers, and for classes
   CHECK(legend.marks[4].text == "70");
   CHECK(legend.marks[4].share == 1);
   CHECK(legend.entries.empty());
+  // 60 would be written over 62.
+  CHECK(fieldOf(cloud, {.by = "z"}).legend({.by = "z", .range = "0.5,62"}).marks.size() == 4);
   const ColorConfig classes{.by = "classification"};
   CHECK(classes.mapOf() == ColorMap::classes);
   const Legend found = fieldOf(cloud, classes).legend(classes);
