@@ -150,7 +150,8 @@ double PointField::numberOf(const PointState& point, const std::vector<Field>& f
 
 void PointField::put(const PointState& point, const std::vector<Field>& fields) {
   if (point.number >= numbers_.size()) numbers_.resize(point.number + 1, std::nan(""));
-  numbers_[point.number] = numberOf(point, fields);
+  const double number = numberOf(point, fields);
+  numbers_[point.number] = std::isfinite(number) ? number : std::nan("");
 }
 
 void PointField::read(std::span<const PointState> states, const std::vector<Field>& fields) {

@@ -38,7 +38,7 @@ class PointField {
   std::vector<std::pair<std::uint64_t, float>> follow(std::span<const PointState> changed,
                                                       const std::vector<Field>& fields);
 
-  /// Relative to base(). NaN: none.
+  /// Relative to base(). NaN: none, or an infinite one.
   std::span<const double> numbers() const { return numbers_; }
   Whole base() const { return base_; }
   double relative(double number) const { return number - static_cast<double>(base_); }

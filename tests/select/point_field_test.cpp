@@ -80,6 +80,12 @@ TEST_CASE(
   const std::vector<Field> layer{
       {.values = attributeOf<std::int16_t>("classification", ScalarType::i16, {-1, 9, 9}), .unit = "m"}};
   CHECK(numbers("classification", layer) == std::vector{-1.0, 9.0, 9.0, 0.0, 0.0, 0.0});
+  const float infinite = std::numeric_limits<float>::infinity();
+  const std::vector<Field> hot{
+      {.values = attributeOf<float>("heat", ScalarType::f32, {infinite, -infinite, 3}), .unit = ""}};
+  CHECK(std::isnan(numbers("heat", hot)[0]));
+  CHECK(std::isnan(numbers("heat", hot)[1]));
+  CHECK(numbers("heat", hot)[2] == 3);
   CHECK(PointField("--color-by", "classification", cloud, layer, {}).unit() == "m");
   CHECK(says(errorOf<UsageError>([&] { numbers("clasification"); }),
              "--color-by: unknown field 'clasification'; did you mean 'classification'?"));

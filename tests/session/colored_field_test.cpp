@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/clock.hpp"
 #include "tests/error_of.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
@@ -93,6 +94,39 @@ TEST_CASE("a legend has the ends of its range and round numbers, and for classes
   const Legend heights = legendOf("height", LengthUnit::m, -1, 3, ColorMap::turbo);
   CHECK(heights.heading == "height, m");
   CHECK(heights.marks.front().text == "-1");
+}
+
+TEST_CASE("a field without a number, or with a single one, has a range and a legend") {
+  PointCloud cloud = row();
+  for (const float value : {std::nanf(""), 7.0f}) {
+    CAPTURE(value);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      std::memcpy(cloud.extra[1].data.data() + i * sizeof value, &value, sizeof value);
+    const ColoredField field = fieldOf(cloud, {.by = "w"});
+    const double expected = std::isnan(value) ? 0 : 7;
+    CHECK(field.range({.by = "w"}) == std::pair{expected, expected});
+    CHECK(field.legend({.by = "w"}).marks.size() == 1);
+    CHECK(field.histogram().size() == (std::isnan(value) ? 0 : 1));
+    CHECK(field.countIn({7, 7}) == (std::isnan(value) ? 0 : 101));
+  }
+}
+
+TEST_CASE("the numbers of a million points are counted") {
+  PointCloud cloud;
+  cloud.positions.resize(1'000'000);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    cloud.positions[i] = {static_cast<float>(i * 7919 % 100'003), 0, static_cast<float>(i % 977)};
+  const std::vector<PointState> states = statesOf(cloud);
+  const PointBits shown = shownPoints(states, {});
+  const Stopwatch watch;
+  ColoredField field({.by = "x"}, cloud, {}, {}, LengthUnit::unknown);
+  field.read(states, {}, shown);
+  const double read_ms = 1e-3 * watch.elapsed_us();
+  const Stopwatch again;
+  field.summarise(shown);
+  MESSAGE("1,000,000 points: read and counted in ", read_ms, " ms, counted again in ", 1e-3 * again.elapsed_us(), " ms");
+  CHECK(field.statistics().count == 1'000'000);
+  CHECK(field.range({.by = "x"}).second == near(98'003, 0.001));
 }
 
 TEST_CASE("settings of colours that do not go together are refused before a model is read") {
