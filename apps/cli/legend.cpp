@@ -103,7 +103,7 @@ void drawLegend(Image& image, const Legend& legend) {
   const int top = static_cast<int>(isRamp ? 0.28 * height : std::max(3 * letter, 0.5 * (height - entries)));
   const int bottom = static_cast<int>(isRamp ? 0.72 * height : top);
   // A plate under it all, so that it is read over any model.
-  double widest = letters.widthOf(legend.heading) - 2 * letter;
+  double widest = letters.widthOf(legend.heading) - 1.5 * letter;
   for (const Legend::Mark& mark : legend.marks) widest = std::max(widest, letters.widthOf(mark.text));
   for (const Legend::Entry& entry : legend.entries) widest = std::max(widest, letters.widthOf(entry.text));
   const int plateLeft = static_cast<int>(left - widest - letter), plateTop = static_cast<int>(top - 2.2 * letter);

@@ -121,7 +121,7 @@ void Panels::drawLegend(const Legend& legend) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   // A plate under it all, so that it is read over any model.
   const auto widthOf = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
-  float widest = widthOf(legend.heading) - em(1.5);
+  float widest = widthOf(legend.heading) - em(1);
   for (const Legend::Mark& mark : legend.marks) widest = std::max(widest, widthOf(mark.text));
   for (const Legend::Entry& entry : legend.entries) widest = std::max(widest, widthOf(entry.text));
   list.AddRectFilled({left - widest - em(1), top - 1.8f * line}, {right + em(0.5), foot + 0.7f * line},

@@ -124,7 +124,8 @@ TEST_CASE("the numbers of a million points are counted") {
   const double read_ms = 1e-3 * watch.elapsed_us();
   const Stopwatch again;
   field.summarise(shown);
-  MESSAGE("1,000,000 points: read and counted in ", read_ms, " ms, counted again in ", 1e-3 * again.elapsed_us(), " ms");
+  MESSAGE("1,000,000 points: read and counted in ", read_ms, " ms, counted again in ", 1e-3 * again.elapsed_us(),
+          " ms");
   CHECK(field.statistics().count == 1'000'000);
   CHECK(field.range({.by = "x"}).second == near(98'003, 0.001));
 }
