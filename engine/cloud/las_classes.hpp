@@ -1,6 +1,7 @@
 // The standard classes of LAS 1.4 (ASPRS), by number.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -19,7 +20,8 @@ inline constexpr std::array<std::string_view, 19> kLasClasses{
 /// "2 ground", or "64" for a class without a standard name.
 inline std::string lasClassText(double number) {
   const bool isStandard = number >= 0 && number < static_cast<double>(kLasClasses.size());
-  std::string text = std::to_string(static_cast<long long>(number));
+  constexpr double kLargest = 9e18;  // of 64 bits
+  std::string text = std::to_string(static_cast<long long>(std::clamp(number, -kLargest, kLargest)));
   return isStandard ? text + ' ' + std::string(kLasClasses[static_cast<std::size_t>(number)]) : text;
 }
 

@@ -184,7 +184,7 @@ std::optional<double> PointField::relative(std::string_view text) const {
 }
 
 std::string PointField::text(double relative, double resolution) const {
-  if (isWide_) return wholeText(base_ + static_cast<Whole>(std::llround(relative)));
+  if (isWide_) return wholeText(base_ + static_cast<Whole>(std::round(relative)));
   constexpr double kMaxDecimals = 12;
   const double decimals = resolution > 0 ? std::clamp(std::ceil(-std::log10(resolution)), 0.0, kMaxDecimals) : 3;
   std::string text = fmt::format("{:.{}f}", static_cast<double>(base_) + relative, static_cast<int>(decimals));

@@ -27,7 +27,7 @@ class PointField {
              const FieldOptions& options, std::vector<std::string> others = {});
 
   const std::string& name() const { return name_; }
-  /// Whole numbers of 64 bits, which are shown to the last digit.
+  /// Whole numbers of 64 bits, which are shown to the last digit unless they are more than 2^53 apart.
   bool isWide() const { return isWide_; }
   std::optional<CloudFields::Field> inFile() const { return source_; }
   const std::string& unit() const { return unit_; }  ///< of a field of the layer

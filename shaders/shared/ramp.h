@@ -99,7 +99,7 @@ PALPATE_FUNCTION vec3 rampColor(uint map, float x) {
 
 // The standard classes of LAS 1.4, as usual; others are told apart.
 PALPATE_FUNCTION vec3 classColor(float number) {
-  const uint of = uint(int(floor(number + 0.5f)));
+  const uint of = uint(int(clamp(floor(number + 0.5f), -1e9f, 1e9f)));
   switch (of) {
     case 0u:
       return colorOf(0xb0b0b0u);

@@ -131,6 +131,7 @@ TEST_CASE("64-bit numbers are told apart, shown, typed and selected to the last 
   const PointBits found = pointsInRange(field, shownPoints(states, {}), range);
   CHECK(found.count() == 2);
   CHECK(found.test(1));
+  CHECK(field.text(1e19, 1) == "10009007199254740993");  // beyond 63 bits
   PointField x("by", "x", cloud, {}, {});
   x.read(states, {});
   CHECK(x.text(0.25, 0.001) == "849000.25");

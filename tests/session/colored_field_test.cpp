@@ -91,6 +91,10 @@ TEST_CASE("a legend has the ends of its range and round numbers, and for classes
   CHECK(found.entries[0].color == shared::classColor(2));
   CHECK(fieldOf(cloud, classes).range(classes) == std::pair{2.0, 40.0});
   CHECK(fieldOf(cloud, classes).legend({.by = "classification", .map = ColorMap::grey}).marks.size() > 1);
+  const Legend far = fieldOf(cloud, {.by = "z"}).legend({.by = "z", .map = ColorMap::classes});
+  REQUIRE(far.entries.size() == 15);
+  CHECK(far.entries.back().text == "further classes");
+  CHECK(shared::classColor(3e9f) == shared::classColor(1e9f));
   const Legend heights = legendOf("height", LengthUnit::m, -1, 3, ColorMap::turbo);
   CHECK(heights.heading == "height, m");
   CHECK(heights.marks.front().text == "-1");
