@@ -140,11 +140,10 @@ struct CopyText {
   std::string text;
 };
 
-using ViewCommand =
-    std::variant<WindowCommand, ModelCommand, StylusCommand, SelectCommand, Answer, FileCommand, BrowseCommand,
-                 ModelSide, LookAlong, SetParameter, SetValue, SelectVolume, SetVolume, FlipPlane, MoveSelection,
-                 KeepSelection, SelectWhere, SetColorRange, SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes,
-                 CopyText>;
+using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, SelectCommand, Answer, FileCommand,
+                                 BrowseCommand, ModelSide, LookAlong, SetParameter, SetValue, SelectVolume, SetVolume,
+                                 FlipPlane, MoveSelection, KeepSelection, SelectWhere, SetColorRange, SetTrueLength,
+                                 DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

@@ -59,7 +59,7 @@ void Panels::drawField(const ColoredField& field, ColorConfig& color) {
   }
   const ImGuiIO& io = ImGui::GetIO();
   post(button("Select range"), SelectWhere{.condition = {}, .adds = io.KeyShift, .removes = io.KeyCtrl});
-  help("G while selecting: the points in the range. Shift adds, Ctrl removes, both keep what is in both");
+  help("selects the points in the range. Shift adds, Ctrl removes, both keep what is in both");
   ImGui::SameLine();
   ImGui::TextUnformatted(counted(field.countIn(range), "point").c_str());
 }

@@ -149,7 +149,7 @@ TEST_CASE("the window colours by a field, selects its range, and changes nothing
 2.3 state %/selected.json
 2.3 key ctrl+z
 2.3 key s
-2.35 key g
+2.35 click Select range
 2.4 state %/by_key.json
 2.4 click range
 2.5 key ctrl+a

@@ -97,7 +97,7 @@ TEST_CASE("a ball and a plane of typed numbers select what is in them, and the k
 0.7 click Other side
 0.8 key shift+enter
 1.0 state %/all.json
-1.1 key a
+1.1 key shift+w
 1.2 volume 0,0,50:20
 1.3 key ctrl+enter
 1.5 state %/less.json
@@ -132,8 +132,8 @@ TEST_CASE("numbers that are no volume, and a volume that is not there, are refus
   };
   CHECK(says(errorOf("w", "volume 1,2,3"), "colon"));
   CHECK(says(errorOf("w", "volume 1,2:3,4,5"), "three numbers"));
-  CHECK(says(errorOf("a", "volume 1,2,3:-1"), "not positive"));
-  CHECK(says(errorOf("a", "volume 1,2,3:r"), "not a number"));
+  CHECK(says(errorOf("shift+w", "volume 1,2,3:-1"), "not positive"));
+  CHECK(says(errorOf("shift+w", "volume 1,2,3:r"), "not a number"));
   CHECK(says(errorOf("d", "volume 1,2,3:0,0,0"), "length 0"));
   CHECK(says(errorOf("d", "key enter"), "there is no plane"));
   CHECK(says(errorOf("g", "move 1,0,0"), "no points are selected"));
