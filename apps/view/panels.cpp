@@ -142,7 +142,7 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   drawVolume(status.volume);
   if (status.legend) drawLegend(*status.legend);
   if (view.panels && view.plots && status.session) drawPlots(status, view);
-  view.help ? drawHelp(settings) : drawMessages(status, view, settings.tool);
+  view.help ? drawHelp(settings) : drawMessages(status, settings);
   drawErrors(status, view);
   drawQuestions(status);
   drawFiles(status);

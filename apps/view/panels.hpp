@@ -180,7 +180,7 @@ class Panels {
   void drawLink();
   void drawPlots(const ViewStatus& status, ViewSettings& view);
   void drawHelp(WindowSettings& settings);
-  void drawMessages(const ViewStatus& status, const ViewSettings& view, WindowTool tool);
+  void drawMessages(const ViewStatus& status, const WindowSettings& settings);
   void drawErrors(const ViewStatus& status, const ViewSettings& view);
   void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit);
   void drawDistance(const ViewStatus& status, const ViewSettings& view) const;

@@ -17,10 +17,24 @@ std::string measureLine(const ViewStatus& status) {
   return fmt::format("measured: {}", lengthText(*status.measured, status.unit));
 }
 
-std::string hintFor(WindowTool tool) {
-  return tool == WindowTool::sculpt   ? "hold Space to touch,  H for help"
-         : tool == WindowTool::select ? "draw around points to select them,  F1 for help"
-                                      : "drag to look around,  H for help";
+std::string hintFor(const WindowSettings& settings) {
+  if (settings.tool == WindowTool::sculpt) return "hold Space to touch,  H for help";
+  if (settings.tool == WindowTool::look) return "drag to look around,  H for help";
+  switch (settings.select.shape) {
+    case SelectShape::flood:
+    case SelectShape::same:
+      return "click the model to select what is alike,  F1 for help";
+    case SelectShape::label:
+      return "draw over points to label them,  F1 for help";
+    case SelectShape::box:
+    case SelectShape::ball:
+    case SelectShape::plane:
+      return "click the model, drag the handles, Enter selects,  F1 for help";
+    case SelectShape::move:
+      return "drag the handles to move the selected points,  F1 for help";
+    default:
+      return "draw around points to select them,  F1 for help";
+  }
 }
 
 // The number of newest errors that leave most of the picture free, at least one.
@@ -61,7 +75,8 @@ void Panels::noteLetters(const ViewStatus& status) {
 }
 
 // Beside the scale and the heights, or above them in a narrow window.
-void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view, WindowTool tool) {
+void Panels::drawMessages(const ViewStatus& status, const WindowSettings& settings) {
+  const ViewSettings& view = settings.view;
   std::vector<std::string> lines = status.remarks;
   if (const DeviceCheckQuery* const test = status.held->test())
     lines.insert(lines.begin(), std::string(instructionOf(test->stage())));
@@ -75,7 +90,7 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view, Wi
                                 status.isStoppable ? " (Esc cancels)" : ""));
   lines.insert(lines.end(), status.notices.begin(), status.notices.end());
   if (!status.blocked.empty()) lines.push_back(status.blocked);
-  if (lines.empty() && status.session) lines.push_back(hintFor(tool) + (view.panels ? "" : ",  Tab for panels"));
+  if (lines.empty() && status.session) lines.push_back(hintFor(settings) + (view.panels ? "" : ",  Tab for panels"));
   if (lines.empty()) return;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   const bool isBeside = view.panels && hasRoomBeside(display.x);

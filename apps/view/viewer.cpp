@@ -255,18 +255,6 @@ void Viewer::carryOut(const ViewCommand& command) {
   if (const auto* length = std::get_if<SetTrueLength>(&command)) document_.openAtScale(measure_.scaleFor(length->text));
 }
 
-void Viewer::carryOutVolume(const ViewCommand& command) {
-  const SelectShape shape = settings_.select.shape;
-  VolumeTool& volume = select_.volume();
-  const auto* select = std::get_if<SelectVolume>(&command);
-  if (select && isVolume(shape)) volume.select(shape, select->how, pointed());
-  const auto* set = std::get_if<SetVolume>(&command);
-  if (set && isVolume(shape)) volume.set(shape, set->numbers, pointed());
-  if (std::holds_alternative<FlipPlane>(command)) volume.flip();
-  if (const auto* move = std::get_if<MoveSelection>(&command))
-    messages_.say(moveSelection(*document_.session(), *move));
-}
-
 void Viewer::carryOut(WindowCommand command) {
   if (command == WindowCommand::quit) closing_ = Closing::asked;
   if (command == WindowCommand::stopReading) document_.stopReading();

@@ -12,6 +12,18 @@ void Viewer::carryOut(SelectCommand command) {
   if (!remark.empty()) messages_.say(remark);
 }
 
+void Viewer::carryOutVolume(const ViewCommand& command) {
+  const SelectShape shape = settings_.select.shape;
+  VolumeTool& volume = select_.volume();
+  const auto* select = std::get_if<SelectVolume>(&command);
+  if (select && isVolume(shape)) volume.select(shape, select->how, pointed());
+  const auto* set = std::get_if<SetVolume>(&command);
+  if (set && isVolume(shape)) volume.set(shape, set->numbers, pointed());
+  if (std::holds_alternative<FlipPlane>(command)) volume.flip();
+  if (const auto* move = std::get_if<MoveSelection>(&command))
+    messages_.say(moveSelection(*document_.session(), *move));
+}
+
 void Viewer::carryOut(const SelectWhere& command) {
   WindowSession& session = *document_.session();
   const Combine how = combineBy(command.adds, command.removes);
