@@ -67,8 +67,8 @@ def main() -> None:
         run("info", model, "--json", result)
         found = peers(model, json.loads(result.read_text())["mean_spacing"])
         for _ in range(options.rounds):
-            run("bench", "select", "--of", "cloud", "--models", model, "--repeat", 1, "--limit", 0, "--threads", threads,
-                "--json", result)
+            run("bench", "select", "--of", "cloud", "--models", model, "--repeat", 1, "--limit", 0, "--threads",
+                threads, "--json", result)
             for record in json.loads(result.read_text())["select"]:
                 ours.setdefault(record["operation"], []).append(record["time_ms"]["p50"])
             for name, peer in found.items():
