@@ -377,7 +377,9 @@ void Document::carryOut(ModelCommand command) {
   if (isGivingWay()) return messages_.say(whyWaiting());
   if (!session_) return;
   if (command == ModelCommand::undo && !session_->undo() && session_->isChanged())
-    messages_.say("nothing more can be undone: --undo-memory holds no further stroke");
+    messages_.say(session_->session().strokes().dropped > 0
+                      ? "nothing more can be undone: --undo-memory holds no further stroke"
+                      : "nothing more can be undone");
   if (command == ModelCommand::redo) session_->redo();
   if (command == ModelCommand::save) save();
   if (command == ModelCommand::exportTicks) writeTicks();

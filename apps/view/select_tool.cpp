@@ -121,10 +121,10 @@ void SelectTool::moveTo(const DVec2& place_px) {
     path_px_.push_back(place_px);
 }
 
-void SelectTool::release(MouseButton button, const SelectSettings& settings, const Pointed& at) {
-  if (button != MouseButton::left) return;
-  volume_.release(at);
+std::string SelectTool::release(MouseButton button, const SelectSettings& settings, const Pointed& at) {
+  if (button != MouseButton::left) return {};
   if (stage_ == Stage::dragging) close(settings, at);
+  return volume_.release(at);
 }
 
 void SelectTool::takeBack() {

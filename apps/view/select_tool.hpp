@@ -31,7 +31,8 @@ class SelectTool {
   /// Whether the button is for this tool; the others move the view. Throws Error where the model refuses selections.
   bool press(MouseButton button, const Keys& keys, const SelectSettings& settings, const Pointed& at);
   void moveTo(const DVec2& place_px);
-  void release(MouseButton button, const SelectSettings& settings, const Pointed& at);
+  /// Returns a remark, or an empty text.
+  std::string release(MouseButton button, const SelectSettings& settings, const Pointed& at);
   /// What the last outline did, for the user; returned once.
   std::string takeRemark() { return std::exchange(remark_, {}); }
   /// Commands of the outline; others do nothing.

@@ -44,10 +44,16 @@ PointBits changeableIn(const WindowSession& session) {
   return selected;
 }
 
+PointBits removableIn(const WindowSession& session) {
+  PointBits selected = changeableIn(session);
+  if (selected.count() == session.history().points().present())
+    throw Error("all points are selected; a model needs at least one");
+  return selected;
+}
+
 std::string removed(WindowSession& session) {
-  const PointBits selected = changeableIn(session);
+  const PointBits selected = removableIn(session);
   const std::size_t count = selected.count();
-  if (count == session.history().points().present()) throw Error("all points are selected; a model needs at least one");
   session.changePoints(selected.set(), RemovePoints());
   return fmt::format("{} removed; Ctrl+Z restores them", counted(count, "point"));
 }
@@ -177,8 +183,10 @@ std::string setValue(WindowSession& session, const PointSet& points, const SetVa
     number = static_cast<double>(value);
     for (std::size_t i = 0; i < count; ++i) std::memcpy(values.data() + i * sizeof value, &value, sizeof value);
   });
+  const bool isNew = !session.attributes().fieldNamed(set.field) &&
+                     std::ranges::count(session.model().cloud.extra, set.field, &Attribute::name) == 0;
   session.setField(set.field, type, points, std::move(values));
-  return fmt::format("{} of {} is {}", set.field, counted(count, "point"),
+  return fmt::format("{}{} of {} is {}", set.field, isNew ? ", a new field," : "", counted(count, "point"),
                      set.field == kClassification ? lasClassText(number) : set.value);
 }
 
@@ -228,7 +236,7 @@ std::string exportSelection(WindowSession& session, const std::string& document,
     if (std::filesystem::equivalent(file, own, ignored))
       throw Error("{} is the file of the open model; choose another one for the selected points", file);
   cloudFormats().toWrite(file, Written::points);
-  const PointBits selected = separates ? changeableIn(session) : selectedIn(session);
+  const PointBits selected = separates ? removableIn(session) : selectedIn(session);
   std::vector<PointState> points(pointsOf(session).begin(), pointsOf(session).end());
   for (std::size_t i = 0; i < points.size(); ++i) points[i].gone = !selected.test(i);
   std::string lost;

@@ -15,10 +15,10 @@ bool ShownMesh::follow(const WindowSession& session, std::uint32_t resolution, s
     if (sight_.isCpu() && !std::exchange(isAnnounced_, true)) return false;
     isAnnounced_ = false;
     make(session, resolution);
-  } else if (!edited.empty()) {
-    mesh_->update(edited);
+    hide(session);
   } else {
-    return true;
+    if (!edited.empty()) mesh_->update(edited);
+    if (!hide(session) && edited.empty()) return true;
   }
   ++version_;
   time_ms_ = watch.elapsed_us() * 1e-3;
@@ -27,6 +27,7 @@ bool ShownMesh::follow(const WindowSession& session, std::uint32_t resolution, s
 
 void ShownMesh::make(const WindowSession& session, std::uint32_t resolution) {
   mesh_.reset();
+  hidden_ = {};
   const Model& model = session.model();
   const MeshPlan plan =
       thinned(planMesh(model.shownBounds(), model.spacing, {.resolution = resolution, .room = 0.2}), model.cloud);
@@ -37,6 +38,22 @@ void ShownMesh::make(const WindowSession& session, std::uint32_t resolution) {
   resolution_ = resolution;
   mesh_->build();
   if (session.edits() > 0) mesh_->update(points);
+}
+
+bool ShownMesh::hide(const WindowSession& session) {
+  const PointSet& hidden = session.attributes().mask(MaskRole::hidden);
+  if (hidden == hidden_) return false;
+  PointSet flipped = hidden_;
+  flipped.flip(hidden);
+  std::vector<PointState> states;
+  const PointStates& points = session.history().points();
+  flipped.forEach([&](std::uint64_t point) {
+    states.push_back(points[point]);
+    states.back().gone |= hidden.test(point);
+  });
+  mesh_->update(states);
+  hidden_ = hidden;
+  return true;
 }
 
 std::filesystem::path ShownMesh::write(const std::string& file, std::vector<std::string>& lost) const {

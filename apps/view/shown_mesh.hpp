@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/point_set.hpp"
 #include "engine/mesh/marching_cubes.hpp"
 #include "engine/render/frame.hpp"
 
@@ -36,9 +37,12 @@ class ShownMesh {
 
  private:
   void make(const WindowSession& session, std::uint32_t resolution);
+  // Leaves hidden points out, and takes shown ones in. Whether some have changed.
+  bool hide(const WindowSession& session);
 
   Device& sight_;
   std::unique_ptr<MarchingCubes> mesh_;
+  PointSet hidden_;  // that it leaves out
   std::uint32_t resolution_ = 0;
   std::uint64_t version_ = 0;
   double time_ms_ = 0;

@@ -127,7 +127,11 @@ void Viewer::handle(const WindowEvent& event) {
   const bool meansModel = document_.session() && !gui_.wantsMouse() && !document_.asks();
   if (const auto* button = std::get_if<ButtonEvent>(&event)) {
     if (!button->down) pointing_.release(button->button, pointed());
-    if (!button->down) messages_.tryTo([&] { select_.release(button->button, settings_.select, pointed()); });
+    if (!button->down)
+      messages_.tryTo([&] {
+        const std::string remark = select_.release(button->button, settings_.select, pointed());
+        if (!remark.empty()) messages_.say(remark);
+      });
     if (const std::string remark = select_.takeRemark(); !remark.empty()) messages_.say(remark);
     if (pointing_.takeMiss()) messages_.say("nothing is measured: the model is not under the cursor");
     if (button->down && document_.isGivingWay() && pointing_.holdsStylus() && !gui_.wantsMouse())
@@ -370,7 +374,13 @@ void Viewer::copyPlaces() {
 
 void Viewer::fitCamera() {
   const DVec2 window_px = glm::max(DVec2(window_.size_px()), DVec2(1));
-  viewpoint_.fit(document_.session()->model(), settings_.view, window_px,
+  const WindowSession& session = *document_.session();
+  const PointSet& hidden = session.attributes().mask(MaskRole::hidden);
+  PointCloud present;
+  if (session.edits() > 0 || !hidden.empty())
+    for (const PointState& state : session.history().points())
+      if (!state.gone && !hidden.test(state.number)) present.positions.push_back(state.position);
+  viewpoint_.fit(session.model(), present.empty() ? nullptr : &present, settings_.view, window_px,
                  panels_.freeWidth_px(settings_.view, window_px.x));
 }
 

@@ -4,9 +4,12 @@
 
 #include "engine/render/camera_motion.hpp"
 
+#include "engine/cloud/voxel_sample.hpp"
+
 namespace palpate {
 
-void Viewpoint::fit(const Model& model, const ViewSettings& view, const DVec2& window_px, const DVec2& free_px) {
+void Viewpoint::fit(const Model& model, const PointCloud* present, const ViewSettings& view, const DVec2& window_px,
+                    const DVec2& free_px) {
   constexpr double kHeight_deg = 45;
   fittedUp_ = view.up;
   const UpAxis up = view.upOf(model);
@@ -14,10 +17,11 @@ void Viewpoint::fit(const Model& model, const ViewSettings& view, const DVec2& w
   constexpr double kHand = 0.08;  // of the longest side: room for a stylus around the model
   Framing framing = framingOf(model, up);
   framing.front = view.frontFor(model);
+  if (present && framing.shown) framing.shown = coreBoundsOf(*present);
   if (!model.container()) framing.margin = std::max(framing.margin, kHand * model.shownBounds().longestSide());
   // Its points fill the view, and not the box around them; a container is shown whole.
   camera_ = model.container() ? Camera::fitting(model.shownBounds(), aspect, kHeight_deg, up, framing.margin)
-                              : Camera::fitting(model.cloud, aspect, kHeight_deg, framing);
+                              : Camera::fitting(present ? *present : model.cloud, aspect, kHeight_deg, framing);
   centerIn(free_px, window_px.x);
 }
 

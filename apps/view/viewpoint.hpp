@@ -13,8 +13,10 @@ class Viewpoint {
  public:
   const Camera& camera() const { return camera_; }
 
-  /// Shows the whole model between the panels: from `free_px.x` to `free_px.y`, from the left.
-  void fit(const Model& model, const ViewSettings& view, const DVec2& window_px, const DVec2& free_px);
+  /// Shows the whole model between the panels: from `free_px.x` to `free_px.y`, from the left. `present`: its points,
+  /// if they are not as it was loaded; null: they are.
+  void fit(const Model& model, const PointCloud* present, const ViewSettings& view, const DVec2& window_px,
+           const DVec2& free_px);
   /// Up axis of the settings at the last fit().
   const std::optional<UpAxis>& fittedUp() const { return fittedUp_; }
   /// Moves the centre of the view to the middle of `free_px`.

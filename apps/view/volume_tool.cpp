@@ -45,6 +45,10 @@ std::string vectorText(const DVec3& v, double step) {
 // A step of the coordinates of the file that is finer than the numbers' use.
 double stepOf(const Volume& volume) { return 1e-4 * std::max({volume.half.x, volume.half.y, volume.half.z}); }
 
+std::string remarkOfMoved(std::size_t points) {
+  return fmt::format("{} moved; Ctrl+Z moves {} back", counted(points, "point"), points == 1 ? "it" : "them");
+}
+
 std::string numbersOf(const Volume& volume, const DVec3& origin) {
   const DVec3 centre = origin + volume.centre;
   const double step = stepOf(volume);
@@ -110,13 +114,13 @@ bool VolumeTool::press(SelectShape shape, const DVec2& cursor_px, const Pointed&
   return true;
 }
 
-void VolumeTool::release(const Pointed& at) {
-  if (!isDragging()) return;
+std::string VolumeTool::release(const Pointed& at) {
+  if (!isDragging()) return {};
   const Volume before = *volume_;
   volume_ = present(at);
   isPlacing_ = false;
   const bool isDragged = std::exchange(dragged_, std::nullopt).has_value() && cursor_px_ != pressed_px_;
-  if (shape_ != SelectShape::move || !isDragged) return;
+  if (shape_ != SelectShape::move || !isDragged) return {};
   const DQuat rotation = glm::normalize(volume_->rotation * glm::conjugate(before.rotation));
   const double had = std::max({before.half.x, before.half.y, before.half.z});
   const double scale = had > 0 ? std::max({volume_->half.x, volume_->half.y, volume_->half.z}) / had : 1;
@@ -124,6 +128,7 @@ void VolumeTool::release(const Pointed& at) {
   moveChangeable(*at.session, MovePoints::about(before.centre, isRotated ? rotation : DQuat(1, 0, 0, 0), scale,
                                                 volume_->centre - before.centre));
   version_ = at.session->edits();  // the box has moved with its points, and keeps its axes
+  return remarkOfMoved(changeable(*at.session).count());
 }
 
 void VolumeTool::endDrag() {
@@ -147,7 +152,10 @@ void VolumeTool::flip() {
   if (volume_ && shape_ == SelectShape::plane) volume_->rotation = volume_->rotation * DQuat(0, 1, 0, 0);
 }
 
-void VolumeTool::set(SelectShape shape, const std::string& numbers, const Pointed& at) {
+void VolumeTool::set(SelectShape shape, const std::string& typed, const Pointed& at) {
+  if (!isVolume(shape) || shape == SelectShape::move) throw Error("choose box, ball or plane first");
+  std::string numbers = typed;
+  std::erase(numbers, ' ');
   endDrag();
   follow(shape, at);
   const std::string name(nameOf(kSelectShapes, shape));
@@ -162,7 +170,8 @@ void VolumeTool::set(SelectShape shape, const std::string& numbers, const Pointe
   Volume volume{.kind = kindOf(shape), .centre = first - origin};
   if (shape == SelectShape::ball) {
     volume.half = DVec3(numberIn(second, "radius"));
-    if (!(volume.half.x > 0) || !isFinite(volume.half)) throw UsageError("radius: '{}' is not positive", second);
+    if (!(volume.half.x > 0) || !isFinite(volume.half))
+      throw UsageError("radius: '{}' is not a positive number", second);
   } else if (shape == SelectShape::plane) {
     const DVec3 direction = parseVec3(second, name);
     if (!(glm::length(direction) > 0)) throw UsageError("{}: a direction of length 0 is none", name);
@@ -208,7 +217,7 @@ std::string moveSelection(WindowSession& session, const MoveSelection& numbers) 
   const PointBits points = changeable(session);
   const DVec3 centre = boxAround(session.history().points(), points).centre;
   moveChangeable(session, MovePoints::about(centre, rotation, scale, way));
-  return fmt::format("{} moved; Ctrl+Z moves them back", counted(points.count(), "point"));
+  return remarkOfMoved(points.count());
 }
 
 }  // namespace palpate

@@ -35,8 +35,8 @@ class VolumeTool {
   /// Whether the left button is for this tool.
   bool press(SelectShape shape, const DVec2& cursor_px, const Pointed& at);
   /// The button is up: the volume stays as it is dragged, and points that move with it move. Throws Error where the
-  /// model refuses that.
-  void release(const Pointed& at);
+  /// model refuses that. Returns a remark, or an empty text.
+  std::string release(const Pointed& at);
   void moveTo(const DVec2& cursor_px) { cursor_px_ = cursor_px; }
   /// Ends a drag, as if it had not begun.
   void endDrag();
@@ -47,8 +47,9 @@ class VolumeTool {
   /// To a plane: the other side.
   void flip();
   /// Places the volume by numbers in coordinates of the file: of a box two corners "x,y,z:x,y,z", of a ball centre and
-  /// radius "x,y,z:r", of a plane a position and a direction "x,y,z:x,y,z". Throws UsageError.
-  void set(SelectShape shape, const std::string& numbers, const Pointed& at);
+  /// radius "x,y,z:r", of a plane a position and a direction "x,y,z:x,y,z". Throws UsageError, and Error for another
+  /// shape.
+  void set(SelectShape shape, const std::string& typed, const Pointed& at);
 
   DrawnVolume drawn(SelectShape shape, const Pointed& at);
 

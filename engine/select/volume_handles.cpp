@@ -97,7 +97,7 @@ DVec3 HandledVolume::placeOf(const VolumeHandle& handle, const Camera& camera) c
       return at(own);
     case Kind::size:
       if (volume.kind == Volume::Kind::ball) return volume.centre + volume.half.x * camera.axes().right;
-      return at(kCorner * half);
+      return at(-kCorner * half);  // rings are at the others
   }
   return volume.centre;
 }

@@ -138,6 +138,7 @@ TEST_CASE("numbers that are no volume, and a volume that is not there, are refus
   CHECK(says(errorOf("d", "key enter"), "there is no plane"));
   CHECK(says(errorOf("g", "move 1,0,0"), "no points are selected"));
   CHECK(says(errorOf("w", "move 1,0"), "three numbers"));
+  CHECK(says(errorOf("r", "volume 1,2,3:4,5,6"), "choose box, ball or plane"));
 }
 
 TEST_CASE("selected points are moved by handles and by numbers, all others stay to the bit, and undo moves them back") {
@@ -194,6 +195,39 @@ TEST_CASE("selected points are moved by handles and by numbers, all others stay 
   CHECK(moved > 500);
   CHECK(way > 5);
   CHECK(played->state("dragged.json")["errors"].empty());
+}
+
+TEST_CASE("hidden points are in no triangle, and the view is fitted to the points as they are") {
+  if (!hasDisplay()) return;
+  const auto played = playWell(std::string(kSphere) + " --resolution 40", sphereOf(2000), R"(
+0.1 key s
+0.2 key m
+0.5 state %/whole.json
+0.6 key d
+0.7 volume 0,0,0:0,0,1
+0.8 key enter
+1.0 key h
+1.3 state %/half.json
+1.4 key shift+h
+1.7 state %/again.json
+1.8 key m
+1.9 key ctrl+a
+2.0 move 300,0,0
+2.2 key home
+2.4 state %/far.json
+2.5 separate %/all.ply
+2.7 state %/refused.json
+2.8 quit
+)");
+  const auto triangles = [&](const char* name) { return played->state(name)["mesh_triangles"].get<double>(); };
+  CHECK(triangles("whole.json") > 500);
+  CHECK(triangles("half.json") < 0.7 * triangles("whole.json"));
+  CHECK(triangles("half.json") > 0.3 * triangles("whole.json"));
+  CHECK(triangles("again.json") == triangles("whole.json"));
+  const Result target = played->state("far.json")["camera"]["target"];
+  CHECK(std::abs(target[0].get<double>() - 300) < 20);
+  CHECK(says(played->state("refused.json")["errors"][0].get<std::string>(), "at least one"));
+  CHECK_FALSE(std::filesystem::exists(played->folder.path() / "all.ply"));
 }
 
 }  // namespace palpate::view_volume_test
