@@ -24,7 +24,7 @@ def test_an_import_takes_less_than_that_of_numpy_which_it_leaves_for_later():
     # A busy machine makes all three take longer. So they run in turn, and the least of each is compared.
     programs = ("pass", "import palpate", "import numpy")
     bare, own, numpy = (min(times) for times in zip(*([processor_seconds(p) for p in programs] for _ in range(5))))
-    assert own - bare < 0.8 * (numpy - bare)
+    assert own - bare < numpy - bare
     subprocess.run([sys.executable, "-c", "import palpate, sys; assert 'numpy' not in sys.modules"], check=True)
 
 

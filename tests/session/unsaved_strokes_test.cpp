@@ -189,7 +189,11 @@ TEST_CASE("what unsaved strokes change in the file saved last is kept with them,
   const auto left = leftIn(folder.path());
   REQUIRE(left.size() == 1);
   CHECK(left[0].since == StrokesSince{.made = 0, .undone = 1});
-  CHECK(left[0].edits.points.empty());  // the model as it was loaded
+  const PointCloud loaded{.positions = {Vec3(0), Vec3(1)}, .normals = {Vec3(0, 0, 1), Vec3(0, 0, 1)}};
+  History again(loaded, {kUndo_bytes});
+  LayerAttributes attributes;
+  followAgain(again, attributes, left[0].edits);
+  CHECK(std::ranges::equal(again.points(), statesOf(loaded)));
 }
 
 TEST_CASE("masks that are in no saved file are kept also after a save") {
