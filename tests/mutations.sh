@@ -71,8 +71,9 @@ cmake --preset "$preset" > /dev/null
 
 field() { sed -n "s/^$2: //p;/^---/q" "$1"; }  # PATCH NAME
 
-# The target of a test file, which is compiled alone or with others (UNITY_BUILD); empty if it is not built.
-target_of() {  # FILE
+# The target of a test file, which is compiled alone or with others (UNITY_BUILD); empty if it is not built. Of a file
+# whose cases run on both back ends it is that of the CPU, unless the bug is in a shader.
+target_of() {  # FILE PATCH
   if [[ $1 == tests/python/* ]]; then
     sed -n 's/^build \(palpate_python\):.*/\1/p' "$built/build.ninja"
     return
@@ -80,13 +81,14 @@ target_of() {  # FILE
   local part=${1#tests/}
   { sed -n "s|^build tests/CMakeFiles/\([a-z_]*\)\.dir/$part\.o:.*|\1|p" "$built/build.ninja"
     { grep -rl "/$1\"" "$built"/tests/CMakeFiles/*.dir/Unity 2> /dev/null || true; } |
-      sed 's|.*/CMakeFiles/\([a-z_]*\)\.dir/.*|\1|'; } | head -n 1
+      sed 's|.*/CMakeFiles/\([a-z_]*\)\.dir/.*|\1|'; } | sort -u |
+    if grep -q '^--- a/shaders/' "$2"; then tail -n 1; else head -n 1; fi
 }
 
 # Runs a case and returns its failure; 3 if the case does not exist.
-run_case() {  # FILE CASE
+run_case() {  # FILE CASE PATCH
   local code=0
-  [ -n "$(target_of "$1")" ] || return 3
+  [ -n "$(target_of "$1" "$3")" ] || return 3
   if [[ $1 == tests/python/* ]]; then
     local python
     python=$(sed -n 's/^_Python3_EXECUTABLE:INTERNAL=//p' "$built/CMakeCache.txt")  # the module's Python
@@ -96,7 +98,8 @@ run_case() {  # FILE CASE
     return $code
   fi
   # A comma separates names.
-  timeout "$limit_s" "$built/$(target_of "$1")" --source-file="*/$1" --test-case="${2//,/?}" > "$log" 2>&1 || code=$?
+  timeout "$limit_s" "$built/$(target_of "$1" "$3")" --source-file="*/$1" --test-case="${2//,/?}" > "$log" 2>&1 ||
+    code=$?
   ! grep -q '^\[doctest\] test cases: *0 |' "$log" || return 3
   return $code
 }
@@ -105,14 +108,14 @@ run_case() {  # FILE CASE
 declare -A unmutated
 targets=()
 for patch in "${patches[@]}"; do
-  target=$(target_of "$(field "$patch" File)") || true
+  target=$(target_of "$(field "$patch" File)" "$patch") || true
   [ -z "$target" ] || [[ " ${targets[*]} " == *" $target "* ]] || targets+=("$target")
 done
 echo "mutations.sh: ${#patches[@]} bugs, $tier tier, at $(git rev-parse --short HEAD); building ${targets[*]}"
 build "${targets[@]}" || { tail -n 30 "$log"; echo "mutations.sh: the tests do not build" >&2; exit 1; }
 for patch in "${patches[@]}"; do
   code=0
-  run_case "$(field "$patch" File)" "$(field "$patch" Case)" || code=$?
+  run_case "$(field "$patch" File)" "$(field "$patch" Case)" "$patch" || code=$?
   unmutated[$patch]=$code
 done
 
@@ -125,8 +128,8 @@ outcome() {  # PATCH
     *) echo "FAILS WITHOUT IT: $file: $name"; return ;;
   esac
   git apply "$1" 2> "$log" || { echo 'DOES NOT APPLY: make the patch again'; return; }
-  build "$(target_of "$file")" || { echo 'DOES NOT BUILD: make the patch again'; return; }
-  run_case "$file" "$name" || code=$?
+  build "$(target_of "$file" "$1")" || { echo 'DOES NOT BUILD: make the patch again'; return; }
+  run_case "$file" "$name" "$1" || code=$?
   [ $code -ne 0 ] && { echo "killed by $file: $name"; return; }
   [ $survivors = no ] || { [ "$tier" = quick ] || whole=--full; bash tests/run.sh $whole > "$log" 2>&1 || code=$?; }
   [ $code -ne 0 ] && { echo "killed by run.sh $whole: $(tail -n 1 "$log")"; return; }

@@ -1,7 +1,6 @@
 #include "apps/cli/touch.hpp"
 
 #include <algorithm>
-#include <tuple>
 
 #include "apps/cli/output.hpp"
 #include "apps/cli/probe_overlays.hpp"
@@ -12,7 +11,6 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/io/saving.hpp"
-#include "engine/select/expression.hpp"
 #include "haptics/session/drawn_follower.hpp"
 #include "haptics/session/session.hpp"
 #include "haptics/sharing/ros.hpp"
@@ -256,23 +254,6 @@ SessionParts partsOf(Context& context, const TouchCommandOptions& options, const
           .followers = sightFor(context, options.pictureFile, config, sight)};
 }
 
-// By the points as they were loaded.
-void setMasks(Context& context, const TouchCommandOptions& options, Session& session) {
-  if (std::ranges::all_of(options.masks, &std::string::empty)) return;
-  const Model& model = session.model();
-  CloudFields fields(model.cloud, {.mm_per_unit = model.scale.mm_per_unit, .threads = context.threads()});
-  for (const auto& [name, role, what] : {std::tuple{"--hide", MaskRole::hidden, "hidden"},
-                                         {"--lock", MaskRole::locked, "locked"},
-                                         {"--only", MaskRole::within, "may be changed"}}) {
-    const std::string& condition = options.masks[static_cast<std::size_t>(role)];
-    if (condition.empty()) continue;
-    const PointSet points = pointsWhere(name, condition, fields);
-    if (points.empty()) throw Error("{}: '{}' holds for no point", name, condition);
-    session.setMask(role, points);
-    context.log().say("{} of {} {}", points.count(), counted(model.cloud.size(), "point"), what);
-  }
-}
-
 ServoResult run(Context& context, Session& session, std::span<const OpenHand> hands, TickRecorder* publisher,
                 StartStages& start) {
   ShownTicks shown(context.log(), session.durationOf(hands), publisher);
@@ -373,7 +354,7 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   if (config.brush) warnOfSmallBrush(context, options, model);
   DrawnFollower* sight = nullptr;
   Session session(config, std::move(model), partsOf(context, options, config, sight));
-  setMasks(context, options, session);
+  setMasks(context, options.masks, session);
   if (!options.logFile.empty())
     session.record(options.logFile, hands.front(),
                    [&context](const std::string& what) { context.log().say("{}", what); });

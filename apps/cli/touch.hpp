@@ -1,17 +1,16 @@
 // The options of `palpate touch`.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <string>
 
 #include "apps/cli/backend.hpp"
 #include "apps/cli/hand_options.hpp"
+#include "apps/cli/mask_options.hpp"
 #include "apps/cli/motion_options.hpp"
 #include "apps/cli/picture.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stream_options.hpp"
-#include "engine/core/attribute_change.hpp"
 #include "haptics/force_law.hpp"
 
 namespace palpate {
@@ -31,7 +30,7 @@ struct TouchCommandOptions {
   SessionConfig session;  ///< rate, duration and pace
   BrushConfig brush;
   UndoConfig undo;
-  std::array<std::string, kMaskRoles> masks;  ///< conditions for the points of each mask; empty: none
+  MaskConditions masks;
   ForceOptions force;
   std::optional<Option> stiffness;  ///< of the command line
 };

@@ -17,12 +17,7 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
       .check(oneOf(choicesOf<BrushConfig>("kind", {"none"})))
       .showDefault();
   addSettings(sub, options.brush, "kind");
-  const auto mask = [&](const char* name, MaskRole role, const char* what) {
-    sub.add(name, options.masks[static_cast<std::size_t>(role)], what).typeName("CONDITION");
-  };
-  mask("--hide", MaskRole::hidden, "the points for which it holds, as in --where, cannot be felt; they are saved");
-  mask("--lock", MaskRole::locked, "those points are felt, and no brush changes them");
-  mask("--only", MaskRole::within, "brushes change those points alone");
+  addMaskOptions(sub, options.masks);
   addSetting(sub, options.undo, "undo").typeName("N");
   addSetting(sub, options.undo, "redo").typeName("M");
   addSetting(sub, options.undo, "memory_MiB").showDefault();
@@ -124,10 +119,7 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
       throw UsageError("--save: requires a brush (--edit); without one no point changes");
     if (options.undo.undo > 0) throw UsageError("--undo: requires a brush (--edit); without one no point changes");
   }
-  for (const auto& [name, role] :
-       {std::pair{"--hide", MaskRole::hidden}, {"--lock", MaskRole::locked}, {"--only", MaskRole::within}})
-    if (options.edit == "none" && !options.masks[static_cast<std::size_t>(role)].empty())
-      throw UsageError("{}: requires a brush (--edit); to leave points out without one, use --where", name);
+  checkMaskOptions(options.masks, options.edit != "none");
   if (options.undo.redo > 0 && options.undo.undo == 0)
     throw UsageError("--redo: requires --undo; only undone strokes can be redone");
   if (options.picture.printFrame && options.pictureFile.empty()) throw UsageError("--print-frame: needs --picture");

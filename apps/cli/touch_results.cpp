@@ -24,7 +24,7 @@ constexpr Reported<GateCounts> kSafety[]{
      [](const GateCounts& g) -> Value { return g.hot; }},
 };
 
-constexpr Reported<FurtherHandReport> kHands[]{
+constexpr Reported<FurtherHandReport> kFurtherHands[]{
     {"device", "", "its device", [](const FurtherHandReport& s) -> Value { return s.device; }},
     {"ticks", "", "ticks of the session", [](const FurtherHandReport& s) -> Value { return s.trace.ticks; }},
     {"contact_ticks", "", "ticks in contact", [](const FurtherHandReport& s) -> Value { return s.trace.contactTicks; }},
@@ -222,7 +222,7 @@ constexpr Reported<TouchReport> kTouch[]{
     {"hands", "", "the hands after the first (--hand)",
      [](const TouchReport& r) -> Value {
        Json hands = Json::array();
-       for (const FurtherHandReport& hand : r.hands) hands.push_back(jsonBy(kHands, hand));
+       for (const FurtherHandReport& hand : r.hands) hands.push_back(jsonBy(kFurtherHands, hand));
        return r.hands.empty() ? std::nullopt : Value(hands);
      }},
     {"bridge_us", "us", "time of forces computed from the last patch of points, for late answers",
@@ -250,7 +250,7 @@ void listTouchResults(std::vector<ResultFacts>& all) {
   list("frames.", kFrames);
   list("ros.", kRos);
   listSharingResults(all, "touch");
-  list("hands[].", kHands);
+  list("hands[].", kFurtherHands);
   list("server_save.", kServerSave);
   list("undo.", kUndo);
   list("recorded_forces.", kRecorded);

@@ -299,8 +299,9 @@ void bindPictures(py::class_<PySession>& session) {
           "Draws the present points: uint8, height x width x 4, rows from the top. size: width, height,\n"
           "16384 at most. eye, target, up: model units; what is not given is chosen to fit the model. fov:\n"
           "vertical, degrees. color: rgb, normal, depth, height, or a field of the points. background: three of\n"
-          "0 to 255. samples: per pixel, 1 or 4. color_map: viridis, turbo, grey, red-blue, classes, or auto (classes\n"
-          "for the field classification, else viridis). color_range: 'LOW,HIGH', numbers or percentiles as 2%, of a\n"
+          "0 to 255. samples: per pixel, 1 or 4. color_map: viridis, turbo, grey, red-blue, classes, terrain, or auto\n"
+          "(classes for the field classification, terrain for height and depth, else viridis). color_range: "
+          "'LOW,HIGH', numbers or percentiles as 2%, of a\n"
           "field; auto: 2%,98%, and of classes all.")
       .def(
           "mesh",

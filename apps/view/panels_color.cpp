@@ -73,7 +73,8 @@ void Panels::drawHistogram(const ColoredField& field, ColorConfig& color) {
   ImGui::InvisibleButton("histogram", {width, height});
   noted("histogram", false);
   help("drag an end of the range; the bars show the numbers of the shown points");
-  const auto [first, last] = field.extent();
+  const auto ends = field.extent();
+  const double first = ends.first, last = ends.second;
   const double extent = std::max(last - first, 1e-300);
   auto [low, high] = field.range(color);
   const auto shareOf = [&](double number) {

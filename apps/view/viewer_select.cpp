@@ -18,7 +18,7 @@ void Viewer::carryOutVolume(const ViewCommand& command) {
   const auto* select = std::get_if<SelectVolume>(&command);
   if (select && isVolume(shape)) volume.select(shape, select->how, pointed());
   const auto* set = std::get_if<SetVolume>(&command);
-  if (set && isVolume(shape)) volume.set(shape, set->numbers, pointed());
+  if (set) volume.set(shape, set->numbers, pointed());
   if (std::holds_alternative<FlipPlane>(command)) volume.flip();
   if (const auto* move = std::get_if<MoveSelection>(&command))
     messages_.say(moveSelection(*document_.session(), *move));

@@ -42,6 +42,7 @@ enum class ColorMap : std::uint32_t {
   grey = shared::kMapGrey,
   redBlue = shared::kMapRedBlue,
   classes = shared::kMapClasses,  ///< of whole numbers, not over a range
+  terrain = shared::kMapTerrain,
 };
 
 /// The numbers that DrawnAttributes shows, with colours over this range; points without one are grey.
@@ -70,11 +71,12 @@ inline constexpr std::array<std::pair<std::string_view, ColorSource>, 4> kColorN
                                                                                       {"depth", ColorSource::depth},
                                                                                       {"height", ColorSource::height}}};
 
-inline constexpr std::array<std::pair<std::string_view, ColorMap>, 5> kColorMaps{{{"viridis", ColorMap::viridis},
+inline constexpr std::array<std::pair<std::string_view, ColorMap>, 6> kColorMaps{{{"viridis", ColorMap::viridis},
                                                                                   {"turbo", ColorMap::turbo},
                                                                                   {"grey", ColorMap::grey},
                                                                                   {"red-blue", ColorMap::redBlue},
-                                                                                  {"classes", ColorMap::classes}}};
+                                                                                  {"classes", ColorMap::classes},
+                                                                                  {"terrain", ColorMap::terrain}}};
 
 /// By their names on the command line. Throw UsageError that lists the valid names.
 ImagePass imagePassNamed(std::string_view name);
@@ -128,7 +130,7 @@ struct SpaceLine {
 struct FrameOptions {
   ImagePass pass = ImagePass::final;
   ColorBy color = ColorSource::rgb;
-  ColorMap colorMap = ColorMap::viridis;  ///< of fields, depths and heights
+  ColorMap colorMap = ColorMap::terrain;  ///< of fields, depths and heights
   double splatRadius = 0;   ///< common radius of all points, model units; 0: each has its own (DrawnOptions::spacing)
   bool everyPoint = false;  ///< draws all points, even if a subset suffices because many share a sample
   bool closeHoles = true;   ///< fills gaps of a few spacings from the surface around them, also in depth

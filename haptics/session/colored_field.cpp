@@ -17,8 +17,9 @@ constexpr Setting<ColorConfig> kColor[]{
      "rgb (of the file, else one material), normal, depth, height (with a legend), or a field of the points, as "
      "intensity, classification, z or roughness (with a legend; grey: no number)"},
     {"map", words<&ColorConfig::map, kColorMapChoices>(), "--color-map",
-     "colours of numbers: viridis, turbo, grey, red-blue (white in the middle), classes (of LAS), or auto (classes for "
-     "the field classification, else viridis)"},
+     "colours of numbers: viridis, turbo, grey, red-blue (white in the middle), classes (of LAS), terrain (blue, "
+     "green, "
+     "yellow), or auto (classes for the field classification, terrain for height and depth, else viridis)"},
     {"range", &ColorConfig::range, "--color-range",
      "LOW,HIGH: numbers at the ends of the colours, or percentiles of the field as 2%,98%; auto: that, and of classes "
      "all"},
@@ -65,7 +66,7 @@ std::string unitOf(const PointField& field, LengthUnit unit) {
 }  // namespace
 
 ColorMap ColorConfig::mapOf() const {
-  return map.value_or(by == kClassification ? ColorMap::classes : ColorMap::viridis);
+  return map.value_or(by == kClassification ? ColorMap::classes : source() ? ColorMap::terrain : ColorMap::viridis);
 }
 
 std::span<const Setting<ColorConfig>> settingsOf(const ColorConfig*) { return kColor; }

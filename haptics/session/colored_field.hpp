@@ -17,19 +17,21 @@
 
 namespace palpate {
 
-inline constexpr std::array<std::pair<std::string_view, std::optional<ColorMap>>, 6> kColorMapChoices{
+inline constexpr std::array<std::pair<std::string_view, std::optional<ColorMap>>, 7> kColorMapChoices{
     {{"auto", std::nullopt},
      {"viridis", ColorMap::viridis},
      {"turbo", ColorMap::turbo},
      {"grey", ColorMap::grey},
      {"red-blue", ColorMap::redBlue},
-     {"classes", ColorMap::classes}}};
+     {"classes", ColorMap::classes},
+     {"terrain", ColorMap::terrain}}};
 
 /// What the colours of a picture show.
 struct ColorConfig {
-  std::string by = "rgb";       ///< a name of kColorNames, or a field
-  std::optional<ColorMap> map;  ///< empty: classes for the field classification, else viridis
-  std::string range = "auto";   ///< "LOW,HIGH" (rangeIn()); auto: 2%,98%, and all numbers of classes
+  std::string by = "rgb";  ///< a name of kColorNames, or a field
+  std::optional<ColorMap>
+      map;  ///< empty: classes for the field classification, terrain for heights and depths, else viridis
+  std::string range = "auto";  ///< "LOW,HIGH" (rangeIn()); auto: 2%,98%, and all numbers of classes
 
   std::optional<ColorSource> source() const { return valueNamed(kColorNames, by); }  ///< empty: a field
   ColorMap mapOf() const;

@@ -196,8 +196,8 @@ void Session::setField(std::string_view name, ScalarType type, const PointSet& p
 void Session::changePoints(const PointSet& points, const PointsAction& action) {
   constexpr std::array<std::pair<Action, const char*>, std::variant_size_v<PointsAction>> kActionOf{
       {{Action::carve, "remove"}, {Action::paint, "paint"}, {Action::sculpt, "move"}}};
-  const auto& [needed, name] = kActionOf[action.index()];
-  attributesFor(needed, name);
+  const char* const name = kActionOf[action.index()].second;
+  attributesFor(kActionOf[action.index()].first, name);
   validate(action);
   between([&] {
     const PointStates& present = history()->points();

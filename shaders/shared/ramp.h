@@ -5,12 +5,13 @@
 
 PALPATE_SHARED_BEGIN
 
-// Colour maps. All but the last are ramps over a range.
+// Colour maps. All but that of classes are ramps over a range.
 const uint kMapViridis = 0;  // after van der Walt and Smith 2015
 const uint kMapTurbo = 1;    // after Mikhailov 2019
 const uint kMapGrey = 2;
 const uint kMapRedBlue = 3;  // white in the middle
 const uint kMapClasses = 4;  // a colour for each whole number: classes of LAS
+const uint kMapTerrain = 5;  // from deep blue over green to warm yellow, with increasing brightness
 // Colour of points without a number, sRGB.
 const vec3 kNoNumberColor = vec3(0.5f, 0.5f, 0.5f);
 
@@ -89,7 +90,17 @@ PALPATE_FUNCTION uint rampEnd(uint map, uint k) {
   return 0u;
 }
 // For x from 0 to 1, sRGB.
+PALPATE_FUNCTION vec3 terrainColor(float x) {
+  const vec3 a = vec3(0.10f, 0.13f, 0.38f), b = vec3(0.11f, 0.37f, 0.58f), c = vec3(0.16f, 0.60f, 0.55f);
+  const vec3 d = vec3(0.58f, 0.78f, 0.40f), e = vec3(0.98f, 0.87f, 0.45f);
+  const float place = 4.0f * clamp(x, 0.0f, 1.0f);
+  if (place < 1.0f) return a + place * (b - a);
+  if (place < 2.0f) return b + (place - 1.0f) * (c - b);
+  if (place < 3.0f) return c + (place - 2.0f) * (d - c);
+  return d + (place - 3.0f) * (e - d);
+}
 PALPATE_FUNCTION vec3 rampColor(uint map, float x) {
+  if (map == kMapTerrain) return terrainColor(x);
   const uint pieces = rampPieces(map);
   const float place = float(pieces) * clamp(x, 0.0f, 1.0f);
   const uint k = place < float(pieces) ? uint(place) : pieces - 1u;

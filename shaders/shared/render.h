@@ -154,7 +154,7 @@ struct RenderFrame {
   uint smooth_px;  // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
   PALPATE_ADDRESS(Uints) selected;  // a bit for each point, like the next
   PALPATE_ADDRESS(Uints) hidden;
-  PALPATE_ADDRESS(Uints) values;  // bits of a float for each point; NaN: it has none
+  PALPATE_ADDRESS(Uints) values;  // bits of a float for each point; NaN: no number
   float lowValue, highValue;      // ends of the ramp
   uint colorMap;                  // kMap* of the ramp
   uint unused;

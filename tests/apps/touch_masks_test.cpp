@@ -1,4 +1,10 @@
 // Points that palpate touch hides, locks or leaves alone by a condition.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
 #include "engine/io/cloud_formats.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/says.hpp"
@@ -12,7 +18,7 @@ struct Touched {
   Result report;
 };
 
-// A press into the top of a ball, after which all points but inserted ones are in the order of the file.
+// A press into a ball, after which all points but inserted ones are in the order of the file.
 Touched touched(const ScratchFolder& folder, const std::string& options) {
   const std::string ball = (folder / "ball.ply").string(), saved = (folder / "saved.ply").string(),
                     report = (folder / "report.json").string();
@@ -22,11 +28,15 @@ Touched touched(const ScratchFolder& folder, const std::string& options) {
   return {readCloud(ball).cloud, readCloud(saved).cloud, jsonOf(report)};
 }
 
-// How many of the points have moved, on each side of x = 0.
-std::array<int, 2> movedIn(const Touched& touched) {
+bool hasMoved(const Touched& touched, std::size_t i) {
+  return touched.before.positions[i] != touched.after.positions[i];
+}
+
+// How many of the points have moved, below y and above.
+std::array<int, 2> movedIn(const Touched& touched, double y) {
   std::array<int, 2> moved{};
   for (std::size_t i = 0; i < touched.before.size(); ++i)
-    moved[touched.before.positions[i].x > 0] += touched.before.positions[i] != touched.after.positions[i];
+    moved[static_cast<double>(touched.before.positions[i].y) > y] += hasMoved(touched, i);
   return moved;
 }
 
@@ -34,15 +44,20 @@ std::array<int, 2> movedIn(const Touched& touched) {
 
 TEST_CASE("a brush changes no locked point, and where only some may be changed, no other one") {
   const ScratchFolder folder;
-  const auto all = movedIn(touched(folder, ""));
-  CHECK(all[0] > 20);
-  CHECK(all[1] > 20);
-  const Touched locked = touched(folder, "--lock \"x < 0\"");
-  CHECK(movedIn(locked)[0] == 0);
-  CHECK(movedIn(locked)[1] > 20);
+  const std::string wide = "--brush-radius 10 ";
+  const Touched free = touched(folder, wide);
+  std::vector<float> moved;
+  for (std::size_t i = 0; i < free.before.size(); ++i)
+    if (hasMoved(free, i)) moved.push_back(free.before.positions[i].y);
+  std::ranges::sort(moved);
+  REQUIRE(moved.size() > 40);
+  const double y = 0.5 * (double{moved[moved.size() / 2]} + double{moved[moved.size() / 2 - 1]});
+  const Touched locked = touched(folder, wide + fmt::format("--lock \"y < {}\"", y));
+  CHECK(movedIn(locked, y)[0] == 0);
+  CHECK(movedIn(locked, y)[1] > 10);
   CHECK(locked.report["peak_force_N"].get<double>() > 0.5);
-  const auto only = movedIn(touched(folder, "--only \"x < 0 && z > 0\""));
-  CHECK(only[0] > 20);
+  const auto only = movedIn(touched(folder, wide + fmt::format("--only \"y < {} && z > 0\"", y)), y);
+  CHECK(only[0] > 10);
   CHECK(only[1] == 0);
 }
 

@@ -120,7 +120,7 @@ TEST_CASE("a ball and a plane of typed numbers select what is in them, and the k
   CHECK(selectedIn(*played, "nothing.json") == 0);
 }
 
-TEST_CASE("numbers that are no volume, and a volume that is not there, are refused by name") {
+TEST_CASE("numbers that do not describe a volume, and a missing volume, are refused by name") {
   if (!hasDisplay()) return;
   const auto errorOf = [](const char* key, const char* action) {
     const auto played =
@@ -132,7 +132,7 @@ TEST_CASE("numbers that are no volume, and a volume that is not there, are refus
   };
   CHECK(says(errorOf("w", "volume 1,2,3"), "colon"));
   CHECK(says(errorOf("w", "volume 1,2:3,4,5"), "three numbers"));
-  CHECK(says(errorOf("shift+w", "volume 1,2,3:-1"), "not positive"));
+  CHECK(says(errorOf("shift+w", "volume 1,2,3:-1"), "not a positive number"));
   CHECK(says(errorOf("shift+w", "volume 1,2,3:r"), "not a number"));
   CHECK(says(errorOf("d", "volume 1,2,3:0,0,0"), "length 0"));
   CHECK(says(errorOf("d", "key enter"), "there is no plane"));
@@ -199,7 +199,7 @@ TEST_CASE("selected points are moved by handles and by numbers, all others stay 
 
 TEST_CASE("hidden points are in no triangle, and the view is fitted to the points as they are") {
   if (!hasDisplay()) return;
-  const auto played = playWell(std::string(kSphere) + " --resolution 40", sphereOf(2000), R"(
+  const auto played = playWell(std::string(kSphere) + " --resolution 32", sphereOf(2000), R"(
 0.1 key s
 0.2 key m
 0.5 state %/whole.json

@@ -217,7 +217,7 @@ def test_ctrl_c_ends_what_takes_long_and_keeps_what_was_done(ball, tmp_path):
         assert len(pp.read(again)) == len(large)
     assert not list(tmp_path.glob("*again*"))
     with pp.Session(ball, gpu="cpu", mm_per_unit=1) as s:
-        assert interrupted(lambda: s.touch(long), 0.2) < SOON
+        assert interrupted(lambda: s.touch(long), 0.05) < SOON
         assert interrupted(lambda: s.push(long, radius_mm=5), 1) < SOON
         assert s.undo_count == 1 and s.undo() == 1
         assert np.array_equal(s.cloud().xyz, ball.xyz)

@@ -239,7 +239,7 @@ TEST_CASE_FIXTURE(CoreValidated<PictureFixture>, "colours by height follow the u
   FrameOptions options = optionsFor(cloud, ImagePass::color);
   options.color = ColorSource::height;
   const auto close = [](const DVec3& seen, float share) {
-    return glm::distance(seen, DVec3(shared::rampColor(shared::kMapViridis, share))) < 0.04;
+    return glm::distance(seen, DVec3(shared::rampColor(shared::kMapTerrain, share))) < 0.04;
   };
   for (const auto& [name, up] : kUpAxes) {
     CAPTURE(name);

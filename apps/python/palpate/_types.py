@@ -8,7 +8,7 @@ from typing import Any, Callable, Literal, TypedDict
 Backend = Literal["auto", "vulkan", "cpu"]
 BrushKind = Literal["push", "carve", "inflate", "smooth", "grab", "paint", "flatten"]
 BuiltinPath = Literal["press", "slide", "scan", "orbit", "stir"]  # in water and sand press and stir, else all but stir
-ColorMap = Literal["auto", "viridis", "turbo", "grey", "red-blue", "classes"]
+ColorMap = Literal["auto", "viridis", "turbo", "grey", "red-blue", "classes", "terrain"]
 MaskKind = Literal["selected", "hidden", "locked", "within"]
 MeshSurface = Literal["sphere", "average", "sharp", "density"]
 SurfaceKind = Literal["average", "sphere", "sharp"]

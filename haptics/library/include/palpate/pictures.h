@@ -29,8 +29,8 @@ typedef struct pp_picture_options {
   const char* color;       /**< "rgb", "normal", "depth", "height", or a field of the points; null: rgb */
   uint8_t background[4];   /**< red green blue; the fourth is not used */
   uint32_t reserved;       /**< not used */
-  /** Colours of depths, heights and fields: "viridis", "turbo", "grey", "red-blue", "classes" (of LAS, of a field);
-   * null or "auto": classes for the field classification, else viridis */
+  /** Colours of depths, heights and fields: "viridis", "turbo", "grey", "red-blue", "classes" (of LAS, of a field),
+   * "terrain"; null or "auto": classes for the field classification, terrain for heights and depths, else viridis */
   const char* color_map;
   /** "LOW,HIGH" of a field: the numbers at the ends of the colours, or percentiles as 2%,98%; null or "auto": those
    * percentiles, and of classes all */
