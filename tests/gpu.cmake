@@ -11,7 +11,7 @@ palpate_tests(gpu LINKS palpate::spatial palpate::gpu palpate::test_shaders palp
               WITHOUT ${without_watched})
 palpate_tests(spatial_gpu LINKS palpate::spatial)
 palpate_tests(proof_gpu LINKS palpate::proof)
-palpate_tests(contact_gpu LINKS palpate::touch)
+palpate_tests(contact_gpu LINKS palpate::touch palpate::select)
 if(PALPATE_STUDY)
   palpate_tests(study_gpu LINKS palpate::touch)
 endif()

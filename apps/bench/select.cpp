@@ -1,6 +1,8 @@
 // Cost of selecting and cleaning points.
 #include "apps/bench/bench.hpp"
 #include "engine/cloud/normals.hpp"
+#include "engine/contact/neighbour_distances.hpp"
+#include "engine/contact/normal_estimate.hpp"
 #include "engine/select/chosen_points.hpp"
 #include "engine/select/cleaning.hpp"
 #include "engine/select/expression.hpp"
@@ -28,6 +30,7 @@ constexpr Reported<SelectRecord> kSelect[]{
 struct Operation {
   const char* name;
   std::function<std::size_t(const PointCloud&)> run;
+  std::function<double()> time_ms = nullptr;  ///< of a part of the last run; null: of all of it
 };
 
 std::vector<Operation> operationsOn(const Model& model, unsigned threads) {
@@ -68,6 +71,25 @@ std::vector<Operation> operationsOn(const Model& model, unsigned threads) {
        }},
       {"field: density", where("density > 0")},
   };
+}
+
+std::vector<Operation> operationsOnGpu(Context& context) {
+  Device& device = context.device();
+  const unsigned threads = context.threads();
+  const auto cost = std::make_shared<NormalEstimateCost>();
+  const auto normals = [=, &device](const PointCloud& cloud) {
+    PointCloud bare;
+    bare.positions = cloud.positions;
+    *cost = estimateNormals(device, bare, threads);
+    return bare.size() - cost->onHost;
+  };
+  const auto distances = [&device](const PointCloud& cloud, std::uint32_t neighbours, unsigned many) {
+    return neighbourDistances(device, cloud, neighbours, many);
+  };
+  return {{"vulkan: outliers: 8 neighbours",
+           [=](const PointCloud& cloud) { return statisticalOutliers(cloud, 8, 1, threads, distances).count(); }},
+          {"vulkan: normals, oriented on the CPU", normals},
+          {"vulkan: normals, not oriented", normals, [=] { return cost->planes_ms; }}};
 }
 
 /// What a command does with half of the points of a session, in an order in which each changes something.
@@ -137,15 +159,19 @@ Json benchSelect(Context& context, const BenchOptions& options, Measured measure
   std::vector<SelectRecord> records;
   for (const SubjectMaker& make : subjectsOf(options)) {
     const Subject subject = make(context);
-    for (const Operation& operation : operationsOn(subject.model, context.threads())) {
-      if (measured == Measured::session) break;
+    std::vector<Operation> operations;
+    if (measured != Measured::session) {
+      if (options.wants("cpu")) operations = operationsOn(subject.model, context.threads());
+      if (options.wants("vulkan")) std::ranges::move(operationsOnGpu(context), std::back_inserter(operations));
+    }
+    for (const Operation& operation : operations) {
       SelectRecord& record = records.emplace_back(
           SelectRecord{.model = subject.name, .operation = operation.name, .points = subject.model.cloud.size()});
       std::vector<double> times_ms;
       repeatMeasurement(options, [&](std::int64_t) {
         const Stopwatch watch;
         record.left = operation.run(subject.model.cloud);
-        times_ms.push_back(watch.elapsed_us() * 1e-3);
+        times_ms.push_back(operation.time_ms ? operation.time_ms() : watch.elapsed_us() * 1e-3);
       });
       record.time_ms = summarize(std::move(times_ms));
     }

@@ -25,6 +25,7 @@
 #include "engine/select/normal_signs.hpp"
 #include "engine/select/prepared_cloud.hpp"
 #include "haptics/session/bounds.hpp"
+#include "haptics/session/vulkan_backend.hpp"
 
 namespace palpate {
 
@@ -137,8 +138,10 @@ Json prepare(Context& context, const ConvertOptions& options, StoredCloud& store
     const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, given > 0 ? given : ofUnit),
                               .up = valueNamed(kUpAxes, options.up),
                               .threads = context.threads()};
+    const auto distances =
+        context.hasRealGpu() ? neighbourDistancesOn([&]() -> Device& { return context.device(); }) : nullptr;
     const std::size_t before = cloud.size();
-    PreparedCloud prepared = palpate::prepared(std::move(cloud), *preparation, fields, report);
+    PreparedCloud prepared = palpate::prepared(std::move(cloud), *preparation, fields, report, distances);
     cloud = std::move(prepared.cloud);
     if (cloud.size() < before) stored.triangles = chosenTriangles(stored.triangles, prepared.numbers);
   }

@@ -20,8 +20,8 @@ constexpr std::size_t kMaxProbes = 2000;
 // single one is up to a tenth too large or too small; over this range the spacing is accurate to two per cent on
 // square, hexagonal, Fibonacci and random samplings alike.
 constexpr std::size_t kFirst = 8, kLast = 32;
-// A k-d tree over more points than this would take longer than a second.
-constexpr std::size_t kLargestTree = 1'000'000;
+// A k-d tree over more points than this would take longer than a second, or than a twentieth of one.
+constexpr std::size_t kLargestTree = 1'000'000, kRoughTree = 50'000;
 
 /// Keeps each position with the same probability, decided by its coordinates so that coincident points stay or go
 /// together.
@@ -91,12 +91,8 @@ double wideAreaOf(const std::vector<Around>& probes, double usual) {
   return 0;
 }
 
-}  // namespace
-
-double meanSpacing(const PointCloud& cloud, unsigned threads) { return spacingRange(cloud, threads).mean; }
-
-SpacingRange spacingRange(const PointCloud& cloud, unsigned threads) {
-  const double keep = std::min(1.0, static_cast<double>(kLargestTree) / static_cast<double>(cloud.size()));
+SpacingRange spacingRange(const PointCloud& cloud, std::size_t largestTree, unsigned threads) {
+  const double keep = std::min(1.0, static_cast<double>(largestTree) / static_cast<double>(cloud.size()));
   const Places places =
       keep < 1 ? distinctPlaces(thinned(cloud.positions, keep, threads)) : distinctPlaces(cloud.positions);
   if (places.positions.size() < 2) return {};
@@ -118,6 +114,14 @@ SpacingRange spacingRange(const PointCloud& cloud, unsigned threads) {
           .wide = spacing(
               std::max(areas[areas.size() - 1 - areas.size() / 50], wideAreaOf(probes, areas[areas.size() / 2]))),
           .noise = noiseFrom(variances) / std::sqrt(keep)};
+}
+
+}  // namespace
+
+double meanSpacing(const PointCloud& cloud, unsigned threads) { return spacingRange(cloud, threads).mean; }
+double roughSpacing(const PointCloud& cloud, unsigned threads) { return spacingRange(cloud, kRoughTree, threads).mean; }
+SpacingRange spacingRange(const PointCloud& cloud, unsigned threads) {
+  return spacingRange(cloud, kLargestTree, threads);
 }
 
 }  // namespace palpate

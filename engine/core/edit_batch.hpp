@@ -35,6 +35,7 @@ struct EditBatch {
   std::vector<EditMark> marks;  ///< in order
   /// In order: one for each mark of its kind, and then what the batch's new points took from their parents.
   std::vector<AttributeChange> attributes;
+  bool hasMoreThanLog = false;  ///< some of the states are not in the edit log of a back end on a GPU
 
   bool empty() const { return points.empty() && marks.empty() && attributes.empty(); }
   /// Number of `attributes` that belong to marks.
@@ -45,6 +46,7 @@ struct EditBatch {
     points.clear();
     marks.clear();
     attributes.clear();
+    hasMoreThanLog = false;
   }
 };
 

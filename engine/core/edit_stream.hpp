@@ -67,6 +67,9 @@ class EditStream {
   /// all edits were taken. Costs as much as loading them, however many appear or vanish. Otherwise as change(), but
   /// take() reports nothing of it. False where that cannot be done.
   virtual bool reload(std::span<const PointState> /*states*/, const PointSet& /*without*/) { return false; }
+  /// As change() of points that have vanished or reappeared, in nothing else changed: `states` are those of all points
+  /// by number, after that. False, and nothing has changed, where change() is sooner.
+  virtual bool changePresence(const PointSet& /*points*/, std::span<const PointState> /*states*/) { return false; }
   /// Offers changes made elsewhere, at most mostOffered(), each point once. They are carried out between later answers,
   /// and no answer waits for them: a point that is not in its change's `from` state is unchanged. They do not end a
   /// stroke. take() reports their result once, with a mark of its own (EditMark::Kind::received). `changesFollowed`:

@@ -87,6 +87,17 @@ std::uint64_t PointSet::count() const {
   return count;
 }
 
+std::vector<PointSet::Word> PointSet::list() const {
+  std::vector<Word> words;
+  words.reserve(pages_.size() * kWords);
+  std::uint64_t before = 0;
+  forWords([&](std::uint64_t k, std::uint64_t word) {
+    words.push_back({.begin = k * kBits, .bits = word, .before = before});
+    before += static_cast<std::uint64_t>(std::popcount(word));
+  });
+  return words;
+}
+
 std::uint64_t PointSet::end() const {
   std::uint64_t end = 0;
   forWords([&](std::uint64_t k, std::uint64_t word) {

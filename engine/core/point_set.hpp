@@ -68,6 +68,21 @@ class PointSet {
     });
   }
 
+  /// 64 points that begin at `begin`: those in `bits` are in the set, after `before` others.
+  struct Word {
+    std::uint64_t begin = 0, bits = 0, before = 0;
+
+    /// Calls use(point, k) for each of them, which is the k-th of the set, ascending.
+    template <class Use>
+    void forEach(Use&& use) const {
+      std::uint64_t k = before;
+      for (std::uint64_t left = bits; left != 0; left &= left - 1)
+        use(begin + static_cast<std::uint64_t>(std::countr_zero(left)), k++);
+    }
+  };
+  /// Those with points, ascending, for many threads.
+  std::vector<Word> list() const;
+
   /// One bit for each of the first so many points, the first one in the lowest bit; larger numbers are left out.
   std::vector<std::uint64_t> bits(std::uint64_t points) const;
 

@@ -82,15 +82,17 @@ bool unpack(std::span<const std::byte> bytes, HistoryChange& change) {
 History::History(PointStates points, const UndoBudget& budget)
     : points_(std::move(points)), list_(budget), slot_(budget.bytes ? points_.size() : 0) {}
 
-void History::follow(const EditBatch& batch) {
+void History::follow(const EditBatch& batch, bool hasLast) {
   const std::span<const PointState> all = batch.points;
   std::size_t begin = 0;
+  const auto last =
+      std::ranges::find(batch.marks.rbegin(), batch.marks.rend(), EditMark::Kind::stroke, &EditMark::kind);
   for (const EditMark& mark : batch.marks) {
     PALPATE_CHECK(begin <= mark.at && mark.at <= all.size());
     const auto states = all.subspan(begin, mark.at - begin);
     switch (mark.kind) {
       case EditMark::Kind::stroke:
-        if (addPresence(states)) break;
+        if ((hasLast && &mark == &*last) || addPresence(states)) break;
         addToStroke(states);
         endStroke();
         break;
@@ -209,20 +211,50 @@ bool History::isOthers(std::uint64_t point, std::uint64_t received) const {
   return at < lastReceived_.size() && lastReceived_[at] > received;
 }
 
-bool History::carryOut(PresenceStroke& stroke, const Carriers& carriers) {
-  std::vector<PointChange> changes;
-  changes.reserve(stroke.points.count());
-  stroke.points.forEach([&](std::uint64_t point) {
-    if (isOthers(point, stroke.received)) return;
-    const PointState from = points_[point];
-    changes.push_back({.from = from, .to = from});
-    changes.back().to.gone = !from.gone;
+bool History::carryPresence(const PointSet& points, const std::function<bool(const PointSet&)>& carry) {
+  points_.flip(points);
+  bool isCarried = false;
+  try {
+    isCarried = carry(points);
+  } catch (...) {
+    points_.flip(points);
+    throw;
+  }
+  if (!isCarried) points_.flip(points);
+  return isCarried;
+}
+
+void History::changePresence(const PointSet& points, const std::function<void(const PointSet&)>& carry) {
+  PALPATE_CHECK(!inStroke_);
+  list_.make({PresenceStroke{.points = points, .received = received_}, version_}, [&](HistoryChange&) {
+    carryPresence(points, [&](const PointSet& changed) { return carry(changed), true; });
   });
-  if (!changes.empty() && !carriers.points(changes)) return false;
-  for (const PointChange& change : changes) points_.set(change.to);
-  if (changes.size() < stroke.points.count())
-    stroke.points = PointSet::of(changes, [](const PointChange& change) { return change.to.number; });
-  stroke.received = received_;
+  version_ = ++lastVersion_;
+  ++strokes_;
+}
+
+std::vector<PointChange> presenceChanges(const PointSet& points, const PointStates& after) {
+  std::vector<PointChange> changes;
+  changes.reserve(points.count());
+  points.forEach([&](std::uint64_t point) {
+    const PointState to = after[point];
+    changes.push_back({.from = to, .to = to});
+    changes.back().from.gone = !to.gone;
+  });
+  return changes;
+}
+
+bool History::carryOut(PresenceStroke& stroke, const Carriers& carriers) {
+  PointSet points = stroke.points;
+  if (!lastReceived_.empty())
+    stroke.points.forEach([&](std::uint64_t point) {
+      if (isOthers(point, stroke.received)) points.set(point, false);
+    });
+  const auto byChanges = [&](const PointSet& changed) { return carriers.points(presenceChanges(changed, points_)); };
+  if (!points.empty() &&
+      !carryPresence(points, carriers.presence ? carriers.presence : std::function<bool(const PointSet&)>(byChanges)))
+    return false;
+  stroke = {.points = std::move(points), .received = received_};
   return true;
 }
 

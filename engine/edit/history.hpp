@@ -22,6 +22,9 @@ struct PresenceStroke {
   PointSet points;
   std::uint64_t received = 0;  ///< as PointStroke
 };
+/// As changes, where the states are those after it. All points are known.
+std::vector<PointChange> presenceChanges(const PointSet& points, const PointStates& after);
+
 /// One entry of a history: a change of one kind, and the version on its other side.
 struct HistoryChange {
   std::variant<PointStroke, ShapeStroke, PresenceStroke, AttributeChange> what;
@@ -55,20 +58,25 @@ class History {
   /// its first edit as received, which does not count as a change by others.
   explicit History(PointStates points, const UndoBudget& budget = {});
 
-  /// Takes in edits, in order.
-  void follow(const EditBatch& batch);
+  /// Takes in edits, in order. `hasLast`: the last stroke was made here, by changePresence().
+  void follow(const EditBatch& batch, bool hasLast = false);
   /// Takes in strokes of a body's shape.
   void follow(std::vector<ShapeStroke> strokes);
   /// Makes a change of a mask or a field, between strokes: `exchange` carries it out, and leaves what undoes it. If
   /// that throws, nothing has changed.
   void make(AttributeChange change, const std::function<void(AttributeChange&)>& exchange);
 
+  /// Makes a stroke that removes existing points and restores others, between strokes: `carry` carries it out. If that
+  /// throws, nothing has changed.
+  void changePresence(const PointSet& points, const std::function<void(const PointSet&)>& carry);
+
   const PointStates& points() const { return points_; }
 
-  /// Carries a change out: of points, each of them once, and reports the resulting edits before any other; or of a
-  /// shape, a mask or a field, by exchange. False, or an exception: nothing has changed.
+  /// Carries a change out, which points() has already: of points, each of them once, and reports the resulting edits
+  /// before any other; or of a shape, a mask or a field, by exchange. False, or an exception: nothing has changed.
   struct Carriers {
     std::function<bool(std::span<const PointChange>)> points;
+    std::function<bool(const PointSet&)> presence = nullptr;  ///< of points that vanish or reappear; null: by `points`
     std::function<bool(ShapeStroke&)> shape;
     std::function<bool(AttributeChange&)> attributes;
   };
@@ -95,6 +103,8 @@ class History {
   // Whether these states are one whole stroke that removes or restores points; then it is kept.
   bool addPresence(std::span<const PointState> states);
   void endStroke();
+  // Calls carry(), with the points as after the change; if that fails, they are as before.
+  bool carryPresence(const PointSet& points, const std::function<bool(const PointSet&)>& carry);
   void keepBefore(std::uint64_t point);
   bool isInStroke(std::uint64_t point) const {
     const std::size_t at = points_.indexOf(point);

@@ -8,6 +8,7 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/checksum.hpp"
+#include "engine/core/parallel.hpp"
 
 namespace palpate {
 
@@ -144,10 +145,19 @@ void LayerAttributes::follow(EditBatch& batch, const PointStates& before) {
 }
 
 PointSet existing(const PointSet& points, std::span<const PointState> states) {
-  PointSet there = points;
-  points.forEach([&](std::uint64_t point) {
-    if (point >= states.size() || states[point].gone) there.set(point, false);
+  std::vector<PointSet::Word> words = points.list();
+  parallelFor(words.size(), 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      std::uint64_t gone = 0;
+      words[i].forEach([&](std::uint64_t point, std::uint64_t) {
+        gone |= std::uint64_t{point >= states.size() || states[point].gone} << (point - words[i].begin);
+      });
+      words[i].bits = gone;
+    }
   });
+  PointSet there = points;
+  for (const PointSet::Word& word : words)
+    word.forEach([&](std::uint64_t point, std::uint64_t) { there.set(point, false); });
   return there;
 }
 

@@ -1,10 +1,27 @@
 #include "engine/edit/point_states.hpp"
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 
 PointStates::PointStates(const PointCloud& file) : states_(statesOf(file)), present_(states_.size()) {}
+
+void PointStates::flip(const PointSet& points) {
+  const std::vector<PointSet::Word> words = points.list();
+  const auto flipIn = [&](std::size_t begin, std::size_t end) {
+    std::size_t gone = 0;
+    for (std::size_t i = begin; i < end; ++i)
+      words[i].forEach([&](std::uint64_t point, std::uint64_t) {
+        PointState& state = states_[indexOf(point)];
+        state.gone = !state.gone;
+        gone += state.gone;
+      });
+    return gone;
+  };
+  const std::size_t gone = parallelReduce(words.size(), 0, std::size_t{0}, flipIn, std::plus());
+  present_ += points.count() - 2 * gone;
+}
 
 void PointStates::grow(std::uint64_t point) {
   if (!index_) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/point_set.hpp"
 #include "engine/core/point_state.hpp"
 
 namespace palpate {
@@ -32,6 +33,9 @@ class PointStates {
     present_ -= state.gone;
     point = state;
   }
+
+  /// Points that existed vanish, and those that did not reappear, in nothing else changed. All are known.
+  void flip(const PointSet& points);
 
   /// A point that was never set does not exist (PointState::gone()).
   PointState operator[](std::uint64_t point) const {

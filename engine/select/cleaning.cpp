@@ -76,15 +76,64 @@ std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t ne
   return distances;
 }
 
-PointSet statisticalOutliers(const PointCloud& cloud, std::uint32_t neighbours, double sigma, unsigned threads) {
-  if (cloud.size() < 2) return {};
-  const std::vector<double> distances = neighbourDistances(cloud, neighbours, threads);
+namespace {
+
+double limitOf(std::span<const double> distances, double sigma) {
   const auto count = static_cast<double>(distances.size());
   const double mean = std::accumulate(distances.begin(), distances.end(), 0.0) / count;
   double squares = 0;
   for (const double distance : distances) squares += (distance - mean) * (distance - mean);
-  const double farthest = mean + sigma * std::sqrt(squares / (count - 1));
-  return PointBits::where(distances.size(), threads, [&](std::size_t i) { return distances[i] > farthest; }).set();
+  return mean + sigma * std::sqrt(squares / (count - 1));
+}
+
+// As neighbourDistances(), of one point, by a scan of all. There are more points than neighbours.
+double scannedDistance(const PointCloud& cloud, std::size_t point, std::uint32_t neighbours) {
+  std::vector<double> nearest;  // squared, a heap with the largest first
+  const DVec3 center(cloud.positions[point]);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (i == point) continue;
+    const DVec3 offset = DVec3(cloud.positions[i]) - center;
+    const double squared = glm::dot(offset, offset);
+    if (nearest.size() == neighbours) {
+      if (squared >= nearest.front()) continue;
+      std::ranges::pop_heap(nearest);
+      nearest.pop_back();
+    }
+    nearest.push_back(squared);
+    std::ranges::push_heap(nearest);
+  }
+  std::ranges::sort_heap(nearest);
+  double sum = 0;
+  for (const double squared : nearest) sum += std::sqrt(squared);
+  return sum / static_cast<double>(nearest.size());
+}
+
+// Distances of single precision, of which those near the limit are exact; false where too many are.
+bool refine(std::vector<double>& distances, const PointCloud& cloud, std::uint32_t neighbours, double sigma,
+            unsigned threads) {
+  constexpr double kNear = 8e-7;    // of the limit: twice the rounding
+  constexpr double kScanned = 5e9;  // distances at most
+  const double limit = limitOf(distances, sigma);
+  std::vector<std::size_t> border;
+  for (std::size_t i = 0; i < distances.size(); ++i)
+    if (std::abs(distances[i] - limit) <= kNear * limit) border.push_back(i);
+  if (static_cast<double>(border.size()) * static_cast<double>(cloud.size()) > kScanned) return false;
+  parallelBlocks(border.size(), 1, threads, [&](std::size_t k, std::size_t) {
+    distances[border[k]] = scannedDistance(cloud, border[k], neighbours);
+  });
+  return true;
+}
+
+}  // namespace
+
+PointSet statisticalOutliers(const PointCloud& cloud, std::uint32_t neighbours, double sigma, unsigned threads,
+                             const DistanceMaker& make) {
+  if (cloud.size() < 2) return {};
+  auto distances = make ? make(cloud, neighbours, threads) : std::nullopt;
+  if (!distances || !refine(*distances, cloud, neighbours, sigma, threads))
+    distances = neighbourDistances(cloud, neighbours, threads);
+  const double limit = limitOf(*distances, sigma);
+  return PointBits::where(distances->size(), threads, [&](std::size_t i) { return (*distances)[i] > limit; }).set();
 }
 
 PointSet radiusOutliers(const PointCloud& cloud, std::uint32_t neighbours, double radius, unsigned threads) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -15,10 +17,16 @@ namespace palpate {
 /// and 0 if there is none. Points at the same position are neighbours at distance 0.
 std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t neighbours, unsigned threads = 0);
 
+/// A faster neighbourDistances(), with the rounding of single precision; empty where it cannot compute them, or would
+/// not be faster.
+using DistanceMaker = std::function<std::optional<std::vector<double>>(const PointCloud& cloud,
+                                                                       std::uint32_t neighbours, unsigned threads)>;
+
 /// The points whose mean distance to their neighbours is more than `sigma` standard deviations above the mean of all
 /// (Rusu, Marton, Blodow, Dolha and Beetz 2008, "Towards 3D point cloud based object maps for household environments",
-/// section 4.1).
-PointSet statisticalOutliers(const PointCloud& cloud, std::uint32_t neighbours, double sigma, unsigned threads = 0);
+/// section 4.1). With `distances`, those of points near the limit are computed again, in double precision.
+PointSet statisticalOutliers(const PointCloud& cloud, std::uint32_t neighbours, double sigma, unsigned threads = 0,
+                             const DistanceMaker& distances = nullptr);
 
 /// The points with fewer than `neighbours` others nearer than `radius`, model units.
 PointSet radiusOutliers(const PointCloud& cloud, std::uint32_t neighbours, double radius, unsigned threads = 0);

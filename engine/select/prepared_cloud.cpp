@@ -131,7 +131,8 @@ double mmPerUnit(const PointCloud& cloud, double given) {
 namespace {
 
 PreparedCloud preparedPoints(PointCloud cloud, std::string_view noun, const Preparation& preparation,
-                             const FieldOptions& options, const std::function<void(const PreparedStep&)>& report) {
+                             const FieldOptions& options, const std::function<void(const PreparedStep&)>& report,
+                             const DistanceMaker& distances) {
   std::size_t steps = preparation.set.size();
   for (const bool isWanted :
        {preparation.crop.has_value(), preparation.cropOutside.has_value(), !preparation.where.empty(),
@@ -147,7 +148,7 @@ PreparedCloud preparedPoints(PointCloud cloud, std::string_view noun, const Prep
   if (preparation.outlierNeighbours > 0)
     preparer.drop("prepare.outlier_neighbours",
                   statisticalOutliers(preparer.cloud(), static_cast<std::uint32_t>(preparation.outlierNeighbours),
-                                      preparation.outlierSigma, threads));
+                                      preparation.outlierSigma, threads, distances));
   if (preparation.radiusNeighbours > 0)
     preparer.drop("prepare.radius_neighbours",
                   radiusOutliers(preparer.cloud(), static_cast<std::uint32_t>(preparation.radiusNeighbours),
@@ -165,19 +166,19 @@ PreparedCloud preparedPoints(PointCloud cloud, std::string_view noun, const Prep
 }  // namespace
 
 PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
-                       const std::function<void(const PreparedStep&)>& report) {
+                       const std::function<void(const PreparedStep&)>& report, const DistanceMaker& distances) {
   Preparation selecting = preparation;
   selecting.level = false;
   const GaussianRecords* const gaussians = gaussiansOf(cloud);
   if (!gaussians || selecting == Preparation{})
-    return preparedPoints(std::move(cloud), "point", preparation, options, report);
+    return preparedPoints(std::move(cloud), "point", preparation, options, report, distances);
   const GaussianCenters centers = centersOf(*gaussians, options.threads);
-  PreparedCloud result = preparedPoints(centers.cloud, "Gaussian", selecting, options, report);
+  PreparedCloud result = preparedPoints(centers.cloud, "Gaussian", selecting, options, report, distances);
   result.cloud = surfacePointsOf(changedGaussians(*gaussians, centers, result.cloud, result.numbers), cloud.storedAs,
                                  options.threads);
   result.numbers.clear();
   if (!preparation.level) return result;
-  PreparedCloud level = preparedPoints(std::move(result.cloud), "point", {.level = true}, options, report);
+  PreparedCloud level = preparedPoints(std::move(result.cloud), "point", {.level = true}, options, report, {});
   result.cloud = std::move(level.cloud);
   std::ranges::move(level.steps, std::back_inserter(result.steps));
   return result;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/select/cleaning.hpp"
 #include "engine/select/fields.hpp"
 #include "engine/select/preparation.hpp"
 
@@ -37,9 +38,10 @@ double mmPerUnit(const PointCloud& cloud, double given);
 
 /// In a splat scene the steps are done to the Gaussians, whose columns are fields (`opacity > 0`), and the points are
 /// the surface of those that stay; only levelling looks for the ground in the surface. `report` is called after each
-/// step, and may throw. Points that stay keep all that no step sets, bit by bit. Throws ExpressionError, Error and
-/// Stopped.
+/// step, and may throw; `distances`: of statisticalOutliers(). Points that stay keep all that no step sets, bit by bit.
+/// Throws ExpressionError, Error and Stopped.
 PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
-                       const std::function<void(const PreparedStep&)>& report = {});
+                       const std::function<void(const PreparedStep&)>& report = {},
+                       const DistanceMaker& distances = {});
 
 }  // namespace palpate

@@ -43,10 +43,8 @@ void DrawnFollower::followFrames() {
 void DrawnFollower::catchUp(const EditBatch& batch) {
   try {
     followFrames();
-    if (reader_)
-      drawn_->catchUp(*reader_);
-    else
-      drawn_->catchUp(batch.points);
+    if (reader_) drawn_->catchUp(*reader_);
+    if (!reader_ || batch.hasMoreThanLog) drawn_->catchUp(batch.points);
     drawn_->attributes().follow(batch.attributes);
   } catch (...) {
     reader_.reset();  // or the back end would wait for this reader forever

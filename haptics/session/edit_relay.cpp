@@ -75,7 +75,7 @@ void EditRelay::catchUp() {
   if (!batch_.empty()) {
     if (options_.log) options_.log->add(batch_);
     attributes_.follow(batch_, history_->points());
-    history_->follow(batch_);
+    history_->follow(batch_, std::exchange(isMade_, false));
   }
   if (options_.isPart) batch_.clear();
   if (shape_) {
@@ -154,6 +154,18 @@ void EditRelay::setPoints(std::span<const PointChange> changes) {
   catchUp();
 }
 
+void EditRelay::changePresence(const PointSet& points) {
+  catchUp();
+  history_->changePresence(points, [this](const PointSet& changed) { carryPresence(changed); });
+  endsInStroke_ = isMade_ = true;
+  catchUp();
+}
+
+void EditRelay::carryPresence(const PointSet& points) {
+  const PointStates& states = history_->points();
+  if (options_.isPart || !edits_->changePresence(points, states)) edits_->change(presenceChanges(points, states));
+}
+
 // Undoes and redoes them all; where that fails, the followers learn how far it came.
 EditBatch EditRelay::attributeHistory() {
   catchUp();
@@ -197,6 +209,11 @@ UndoneStrokes EditRelay::undo(std::size_t undo, std::size_t redo) {
   const History::Carriers carriers{.points =
                                        [&](std::span<const PointChange> changes) {
                                          edits_->change(changes);
+                                         return true;
+                                       },
+                                   .presence =
+                                       [&](const PointSet& points) {
+                                         carryPresence(points);
                                          return true;
                                        },
                                    .shape =

@@ -73,6 +73,8 @@ class EditRelay {
   /// Sets points, each once and not at the state `to` yet, to that state, as one stroke, between strokes. Throws as
   /// EditStream::change() does; then nothing has changed. Requires keepsPoints() and edits.
   void setPoints(std::span<const PointChange> changes);
+  /// Removes existing points and restores others, likewise.
+  void changePresence(const PointSet& points);
   /// Undoes up to `undo` changes and redoes up to `redo` of them, between strokes, once all edits were taken. If one
   /// fails, the history stays as after the last one that did not.
   UndoneStrokes undo(std::size_t undo, std::size_t redo);
@@ -84,6 +86,7 @@ class EditRelay {
   // Exchanges a mask or a field; in the back end, too, if it has to know of it.
   void exchange(AttributeChange& change, EditMark::Kind kind, bool inBackEnd = true);
   void applyMask(MaskRole role);
+  void carryPresence(const PointSet& points);
   void markStroke();
   // Whether an edit log of bounded size may soon have no room for another edit.
   bool isNearlyFull() const;
@@ -98,6 +101,7 @@ class EditRelay {
   EditBatch batch_;
   EditBatch changed_;          // begins the next batch
   bool endsInStroke_ = false;  // the last change of the next batch is a stroke
+  bool isMade_ = false;        // and the history has made it
   std::uint64_t ticks_ = 0, period_ = 1;
   double lastFlush_s_ = 0;
   std::exception_ptr failure_, followerFailure_;  // the first one of each

@@ -4,12 +4,17 @@
 #include <utility>
 
 #include "engine/core/check.hpp"
+#include "engine/core/parallel.hpp"
 
 namespace palpate {
 
 namespace {
 
 constexpr double kLarge = 1.0 / 16;  // of the points: from there on a reload is sooner than changes, or as soon
+
+bool isLarge(std::uint64_t changed, std::size_t points) {
+  return static_cast<double>(changed) > kLarge * static_cast<double>(points);
+}
 
 // Inserts states before the mark with that index.
 void insertBefore(EditBatch& batch, std::size_t mark, std::span<const PointState> states) {
@@ -43,11 +48,10 @@ void HidingTouch::hide(const PointSet& points, const PresentStates& present) {
   const std::span<const PointState> states = present_();
   PointSet flipped = hidden_;
   flipped.flip(points);
-  const bool isLarge = static_cast<double>(flipped.count()) > kLarge * static_cast<double>(states.size());
   PointSet hidden = points, logged = logged_, appear = logged_;
   appear.remove(points);
   logged.remove(appear);
-  if (isLarge) {
+  if (isLarge(flipped.count(), states.size())) {
     if (!appear.empty()) flip(appear, states);
     logged_ = std::move(logged);
     hidden_.remove(appear);
@@ -104,6 +108,23 @@ void HidingTouch::change(std::span<const PointChange> changes) {
   changed_ = std::move(hidden);
 }
 
+bool HidingTouch::changePresence(const PointSet& points, std::span<const PointState> states) {
+  const std::uint64_t count = points.count();
+  if (!isLarge(count, states.size()) || !stream().reload(states, hidden_)) return false;
+  stream().take(left_);
+  const std::size_t before = left_.points.size();
+  left_.points.resize(before + count);
+  const std::vector<PointSet::Word> words = points.list();
+  parallelFor(words.size(), 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      words[i].forEach([&](std::uint64_t point, std::uint64_t k) { left_.points[before + k] = states[point]; });
+  });
+  left_.marks.push_back({left_.points.size(), EditMark::Kind::change});
+  left_.hasMoreThanLog = true;
+  unreported_ -= static_cast<std::int64_t>(count);
+  return true;
+}
+
 bool HidingTouch::offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) {
   if (hidden_.empty()) return stream().offer(changes, changesFollowed + hidings_);
   if (!received_.empty()) return false;
@@ -120,8 +141,12 @@ bool HidingTouch::offer(std::span<const PointChange> changes, std::uint64_t chan
 
 void HidingTouch::take(EditBatch& batch) {
   const std::size_t begin = batch.marks.size(), first = batch.points.size();
-  batch.points.insert(batch.points.end(), left_.points.begin(), left_.points.end());
+  if (first == 0)
+    std::swap(batch.points, left_.points);  // they may be gigabytes
+  else
+    batch.points.insert(batch.points.end(), left_.points.begin(), left_.points.end());
   for (const EditMark& mark : left_.marks) batch.marks.push_back({first + mark.at, mark.kind});
+  batch.hasMoreThanLog |= left_.hasMoreThanLog;
   left_.clear();
   stream().take(batch);
   unreported_ -= static_cast<std::int64_t>(changed_.size());

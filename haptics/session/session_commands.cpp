@@ -201,6 +201,15 @@ void Session::changePoints(const PointSet& points, const PointsAction& action) {
   validate(action);
   between([&] {
     const PointStates& present = history()->points();
+    const auto note = [&] {
+      channel_.note(LoggedCommand::Kind::points, recording() ? bytesIn(action, points) : std::string());
+    };
+    if (std::holds_alternative<RemovePoints>(action)) {
+      const PointSet there = existing(points, present);
+      if (there.empty()) return;
+      relay_.changePresence(there);
+      return note();
+    }
     std::vector<PointChange> changes;
     points.forEach([&](std::uint64_t point) {
       const PointState from = present[point];
@@ -211,7 +220,7 @@ void Session::changePoints(const PointSet& points, const PointsAction& action) {
     });
     if (changes.empty()) return;
     relay_.setPoints(changes);
-    channel_.note(LoggedCommand::Kind::points, recording() ? bytesIn(action, points) : std::string());
+    note();
   });
 }
 

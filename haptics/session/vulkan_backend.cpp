@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/contact/neighbour_distances.hpp"
 #include "engine/contact/normal_estimate.hpp"
 #include "engine/contact/query_method.hpp"
 #include "engine/core/clock.hpp"
@@ -103,6 +104,13 @@ NormalEstimator estimateNormalsOn(std::function<Device&()> device) {
     const NormalEstimateCost cost = estimateNormals(device(), cloud, threads);
     return fmt::format("planes {:.0f} ms on {}, signs {:.0f} ms on the CPU", cost.planes_ms, device().name(),
                        cost.signs_ms);
+  };
+}
+
+DistanceMaker neighbourDistancesOn(std::function<Device&()> device) {
+  constexpr std::size_t kFewest = 1 << 20;
+  return [device = std::move(device)](const PointCloud& cloud, std::uint32_t neighbours, unsigned threads) {
+    return cloud.size() < kFewest ? std::nullopt : neighbourDistances(device(), cloud, neighbours, threads);
   };
 }
 

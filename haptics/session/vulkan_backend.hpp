@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 
+#include "engine/select/cleaning.hpp"
 #include "engine/spatial/hash_grid.hpp"
 #include "haptics/session/backends.hpp"
 #include "haptics/session/gpu_proofs.hpp"
@@ -23,5 +24,7 @@ HashGrid gridFor(const Model& model, const IndexConfig& config, double radius);
 
 /// Estimates normals on that GPU; on the CPU if it is a software driver, which would take twice as long.
 NormalEstimator estimateNormalsOn(std::function<Device&()> device);
+/// Of so many points that opening the GPU, which happens at the first call, is worth it.
+DistanceMaker neighbourDistancesOn(std::function<Device&()> device);
 
 }  // namespace palpate

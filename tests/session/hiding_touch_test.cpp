@@ -93,4 +93,41 @@ TEST_CASE("whatever is hidden and shown, exactly the shown points exist, and a r
   }
 }
 
+TEST_CASE("points that vanish and reappear at once are reported as by changes, and hidden ones stay hidden") {
+  constexpr std::size_t kCount = 2'000;
+  auto made = std::make_unique<Points>(kCount, true);
+  Points& points = *made;
+  HidingTouch hiding(std::move(made));
+  EditStream& edits = *hiding.edits();
+  std::vector<PointState> states;
+  for (std::size_t i = 0; i < kCount; ++i) states.push_back({.number = i, .parent = i});
+  edits.hide(PointSet::range(900, 1'100), [&]() -> std::span<const PointState> { return states; });
+  EditBatch batch;
+  edits.take(batch);
+  const std::uint64_t reported = edits.progress().states;
+  const auto flip = [&](const PointSet& flipped) {
+    flipped.forEach([&](std::uint64_t point) { states[point].gone = !states[point].gone; });
+    return edits.changePresence(flipped, states);
+  };
+  // Few are left to change().
+  CHECK_FALSE(flip(PointSet::range(0, 20)));
+  flip(PointSet::range(0, 20));
+  PointSet many = PointSet::range(3, 1'000);
+  many.set(1'999);
+  for (int step = 1; step <= 2; ++step) {
+    REQUIRE(flip(many));
+    CHECK(edits.progress().states - reported == static_cast<std::uint64_t>(step) * many.count());
+    batch.clear();
+    edits.take(batch);
+    REQUIRE(batch.points.size() == many.count());
+    CHECK(batch.marks == std::vector<EditMark>{{many.count(), EditMark::Kind::change}});
+    CHECK(batch.hasMoreThanLog);
+    std::size_t wrong = 0, next = 0;
+    many.forEach([&](std::uint64_t point) { wrong += !(batch.points[next++] == states[point]); });
+    for (std::size_t i = 0; i < kCount; ++i) wrong += points.exists[i] != (!states[i].gone && (i < 900 || i >= 1'100));
+    CHECK(wrong == 0);
+  }
+  CHECK(points.changed == 0);
+}
+
 }  // namespace palpate::hiding_touch_test

@@ -1,9 +1,13 @@
 // Masks and fields of a session, in its pictures.
+#include <cmath>
+
+#include "engine/gpu/transfer.hpp"
 #include "engine/render/frame.hpp"
 #include "haptics/session/drawn_follower.hpp"
 #include "haptics/session/picture.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
+#include "tests/session/backend_kind.hpp"
 #include "tests/session/session_scene.hpp"
 
 namespace palpate::scene_picture_test {
@@ -59,6 +63,52 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
   session.undo(1, 0);
   CHECK(seen(early).rgba == before.rgba);
   CHECK_FALSE(follower->drawn().attributes().mask(MaskRole::hidden));
+}
+
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "points that are removed at once are drawn no more, and again after undo, also near strokes") {
+  const auto kinds = {backendKind(), cpuBackend()};
+  for (const auto& kind : kinds) {
+    CAPTURE(kind->name());
+    DrawnFollower* follower = nullptr;
+    Session session(
+        {.backend = {.name = std::string(kind->name())}, .brush = BrushConfig(), .hands = std::vector<HandConfig>(1)},
+        sphereModel(3000),
+        {.backend = *kind,
+         .keepsPoints = true,
+         .undo = {1 << 24},
+         .followers = {[&](const Model& model, TouchBackend& backend) {
+           auto made = std::make_unique<DrawnFollower>(device, model, backend);
+           follower = made.get();
+           return made;
+         }}});
+    const auto check = [&] {
+      session.catchUp();
+      const auto drawn = download<Vec4>(device, device.throughputQueue(), follower->drawn().positions(),
+                                        session.history()->points().size());
+      std::size_t wrong = 0;
+      for (const PointState& state : session.history()->points()) {
+        const Vec3 at(drawn[state.number]);
+        wrong += state.gone ? !std::isnan(at.x) : at != state.position;
+      }
+      CHECK(wrong == 0);
+    };
+    runAlone(session, strokeFrom({0, 0, 1}, 1));
+    session.finish();
+    check();
+    const std::size_t before = session.history()->points().present();
+    session.changePoints(PointSet::range(0, 1500), RemovePoints());
+    CHECK(session.history()->points().present() < before - 1000);
+    check();
+    session.changePoints(PointSet::range(1500, 1520), RemovePoints());
+    runAlone(session, strokeFrom({0, 0, -1}, 1));
+    session.finish();
+    check();
+    while (session.undo(1, 0).undone > 0) check();
+    CHECK(session.history()->points().present() == 3000);
+    CHECK(session.undo(0, 3).redone == 3);
+    check();
+  }
 }
 
 TEST_SUITE_END();

@@ -1,0 +1,147 @@
+#include "engine/contact/neighbour_distances.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/cloud/spacing.hpp"
+#include "engine/core/parallel.hpp"
+#include "engine/gpu/command_list.hpp"
+#include "engine/gpu/device.hpp"
+#include "engine/gpu/queue.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "engine/spatial/spatial_hash.hpp"
+#include "shaders/compiled.hpp"
+#include "shaders/shared/neighbour_distances.h"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kBucketsPerPoint = 4;  // buckets for each point: visiting points of other cells costs time, too
+constexpr double kSurfaceShare = 0.5;        // squared edge of a cell, in squared spacings, for each neighbour
+// Exponents of the grids' edges: crowded points go on in the finer ones, sparse points in the coarser ones.
+constexpr std::array kFiner{-1, -2, -3}, kCoarser{1, 2, 3};
+constexpr double kBetweenGrids = 4;
+// Distances that scans compute at most, and in one submission, which a driver must not think hangs.
+constexpr double kMostScanned = 5e11, kScannedAtOnce = 2e9;
+
+/// The passes over one cloud.
+class DistancePasses {
+ public:
+  DistancePasses(Device& device, const PointCloud& cloud, std::uint32_t neighbours)
+      : device_(device),
+        neighbours_(neighbours),
+        origin_(boundsOf(cloud).min),
+        live_(device, cloud),
+        distances_(Buffer::of<float>(device, cloud.size(), Memory::device, "neighbour distances")),
+        near_(device, shader_code::contact_neighbour_distances, {.pushBytes = sizeof(shared::NeighbourDistancesArgs)}),
+        scan_(device, shader_code::contact_scan_distances,
+              {.workgroupSize = shared::kScanWorkgroup, .pushBytes = sizeof(shared::ScanDistancesArgs)}),
+        values_(cloud.size(), shared::kExamined) {}
+
+  const std::vector<float>& values() const { return values_; }
+
+  /// Examines the points of that value in a grid whose cells have that edge. Returns how many there were.
+  std::size_t examine(float which, double edge) {
+    const auto count = static_cast<std::size_t>(std::ranges::count(values_, which));
+    if (count == 0) return 0;
+    rename(which, shared::kExamined);
+    build(edge);
+    run([&](CommandList& list) {
+      list.dispatch(near_, live_.slots(),
+                    shared::NeighbourDistancesArgs{.cloud = hash_->view(live_.front(), live_.count()),
+                                                   .distances = distances_.address(),
+                                                   .radius = static_cast<float>(edge),
+                                                   .neighbours = neighbours_});
+    });
+    return count;
+  }
+  /// Gives the points of a value another one.
+  void rename(float from, float to) { std::ranges::replace(values_, from, to); }
+  /// Scans all points for those that are left; false if that takes too long.
+  bool scan() {
+    if (std::ranges::find(values_, shared::kLeft) == values_.end()) return true;
+    std::vector<std::uint32_t> slots;
+    const auto positions = download<Vec4>(device_, live_.front().positions, live_.slots());
+    for (std::uint32_t slot = 0; slot < positions.size(); ++slot)
+      if (values_[std::bit_cast<std::uint32_t>(positions[slot].w)] == shared::kLeft) slots.push_back(slot);
+    const auto points = static_cast<double>(live_.slots());
+    if (static_cast<double>(slots.size()) * points > kMostScanned) return false;
+    const auto atOnce = static_cast<std::size_t>(std::max(1.0, kScannedAtOnce / points));
+    const Buffer left = Buffer::of<std::uint32_t>(device_, std::max<std::size_t>(1, std::min(atOnce, slots.size())),
+                                                  Memory::device, "points to scan for");
+    for (std::size_t done = 0; done < slots.size(); done += atOnce) {
+      const std::vector<std::uint32_t> piece(
+          slots.begin() + static_cast<std::ptrdiff_t>(done),
+          slots.begin() + static_cast<std::ptrdiff_t>(std::min(slots.size(), done + atOnce)));
+      upload(device_, left, piece);
+      run([&](CommandList& list) {
+        list.dispatch(scan_, piece.size() * shared::kScanWorkgroup,
+                      shared::ScanDistancesArgs{.cloud = hash_->view(live_.front(), live_.count()),
+                                                .distances = distances_.address(),
+                                                .left = left.address(),
+                                                .neighbours = neighbours_,
+                                                .unused = 0});
+      });
+    }
+    return true;
+  }
+
+ private:
+  void build(double edge) {
+    hash_.reset();
+    hash_.emplace(device_, makeHashGrid(Vec3(origin_), edge, kBucketsPerPoint * live_.count()), live_.count());
+    hash_->build(live_);
+  }
+  void run(const auto& record) {
+    upload(device_, distances_, values_);
+    CommandList list(device_, device_.latencyQueue(), "neighbour distances");
+    list.begin();
+    record(list);
+    list.end();
+    device_.latencyQueue().run(list);
+    values_ = download<float>(device_, distances_, values_.size());
+  }
+
+  Device& device_;
+  std::uint32_t neighbours_;
+  DVec3 origin_;
+  LiveCloud live_;
+  Buffer distances_;
+  ComputePipeline near_, scan_;
+  std::optional<SpatialHash> hash_;
+  std::vector<float> values_;  // by number: distances, or why there is none
+};
+
+}  // namespace
+
+std::optional<std::vector<double>> neighbourDistances(Device& device, const PointCloud& cloud, std::uint32_t neighbours,
+                                                      unsigned threads) {
+  if (neighbours == 0 || neighbours > shared::kMaxNearest || cloud.size() <= neighbours) return std::nullopt;
+  const double spacing = roughSpacing(cloud, threads);
+  if (!(spacing > 0)) return std::nullopt;
+  PointCloud placed;
+  placed.positions = cloud.positions;
+  placed.normals.resize(cloud.size());
+  DistancePasses passes(device, placed, neighbours);
+  const double edge = spacing * std::sqrt(std::max(1.0, kSurfaceShare * neighbours));
+  passes.examine(shared::kExamined, edge);
+  passes.rename(shared::kCrowded, shared::kWaiting);
+  // What becomes crowded in a coarser grid, or sparse in a finer one, is left to the scan.
+  const auto goOn = [&](float which, float other, const auto& exponents) {
+    for (const int exponent : exponents) {
+      if (passes.examine(which, edge * std::pow(kBetweenGrids, exponent)) == 0) break;
+      passes.rename(other, shared::kLeft);
+    }
+    passes.rename(which, shared::kLeft);
+  };
+  goOn(shared::kSparse, shared::kCrowded, kCoarser);
+  passes.rename(shared::kWaiting, shared::kCrowded);
+  goOn(shared::kCrowded, shared::kSparse, kFiner);
+  if (!passes.scan()) return std::nullopt;
+  const std::vector<float>& values = passes.values();
+  return std::vector<double>(values.begin(), values.end());
+}
+
+}  // namespace palpate

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engine/cloud/point_cloud.hpp"
+
+namespace palpate {
+
+class Device;
+
+/// Mean distance of each point to its nearest `neighbours`, model units, on the GPU: in a hash whose cells hold about
+/// so many, then in coarser and finer ones for the points that are far from others or in a crowd, and for those that
+/// are left by a scan of all points. As neighbourDistances() of engine/select, with the rounding of single precision.
+/// Empty where that is not possible, or not sooner: for more than 32 neighbours, for no more points than neighbours, or
+/// if too many points are left. Waits for the latency queue. Throws OutOfGpuMemory.
+std::optional<std::vector<double>> neighbourDistances(Device& device, const PointCloud& cloud, std::uint32_t neighbours,
+                                                      unsigned threads = 0);
+
+}  // namespace palpate

@@ -1,0 +1,18 @@
+// The smallest of many squared distances, ascending.
+#ifndef PALPATE_LIB_NEAREST_LIST_GLSL
+#define PALPATE_LIB_NEAREST_LIST_GLSL
+
+struct NearestList {
+  float squared[kMaxNearest];
+  uint count;
+};
+
+void keepNearest(inout NearestList list, uint most, float squared) {
+  if (list.count == most && squared >= list.squared[most - 1]) return;
+  uint at = min(list.count, most - 1);
+  for (; at > 0 && list.squared[at - 1] > squared; --at) list.squared[at] = list.squared[at - 1];
+  list.squared[at] = squared;
+  list.count = min(list.count + 1, most);
+}
+
+#endif
