@@ -85,20 +85,19 @@ History::History(PointStates points, const UndoBudget& budget)
 void History::follow(const EditBatch& batch, bool hasLast) {
   const std::span<const PointState> all = batch.points;
   std::size_t begin = 0;
-  const auto last =
-      std::ranges::find(batch.marks.rbegin(), batch.marks.rend(), EditMark::Kind::stroke, &EditMark::kind);
   for (const EditMark& mark : batch.marks) {
     PALPATE_CHECK(begin <= mark.at && mark.at <= all.size());
     const auto states = all.subspan(begin, mark.at - begin);
+    const bool isKnown = hasLast && !states.empty() && mark.at == all.size();
     switch (mark.kind) {
       case EditMark::Kind::stroke:
-        if ((hasLast && &mark == &*last) || addPresence(states)) break;
+        if (isKnown || addPresence(states)) break;
         addToStroke(states);
         endStroke();
         break;
       case EditMark::Kind::change:
         endStroke();  // in case its end was not marked
-        points_.set(states);
+        if (!isKnown) points_.set(states);
         break;
       case EditMark::Kind::part:
       case EditMark::Kind::attribute:  // which no state belongs to

@@ -58,7 +58,8 @@ class History {
   /// its first edit as received, which does not count as a change by others.
   explicit History(PointStates points, const UndoBudget& budget = {});
 
-  /// Takes in edits, in order. `hasLast`: the last stroke was made here, by changePresence().
+  /// Takes in edits, in order. `hasLast`: the states of the last action that has some are here already, by
+  /// changePresence(), or by undo() or redo() of that.
   void follow(const EditBatch& batch, bool hasLast = false);
   /// Takes in strokes of a body's shape.
   void follow(std::vector<ShapeStroke> strokes);

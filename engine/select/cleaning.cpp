@@ -86,26 +86,23 @@ double limitOf(std::span<const double> distances, double sigma) {
   return mean + sigma * std::sqrt(squares / (count - 1));
 }
 
-// As neighbourDistances(), of one point, by a scan of all. There are more points than neighbours.
-double scannedDistance(const PointCloud& cloud, std::size_t point, std::uint32_t neighbours) {
-  std::vector<double> nearest;  // squared, a heap with the largest first
-  const DVec3 center(cloud.positions[point]);
+// As neighbourDistances(), of one point, by a scan of all: none of its neighbours is farther than `reach`.
+double scannedDistance(const PointCloud& cloud, std::size_t point, std::uint32_t neighbours, double reach) {
+  constexpr double kRounding = 1 + 1e-4;
+  const Vec3 center = cloud.positions[point];
+  const auto near = static_cast<float>(kRounding * reach * reach);
+  std::vector<double> squares;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (i == point) continue;
-    const DVec3 offset = DVec3(cloud.positions[i]) - center;
-    const double squared = glm::dot(offset, offset);
-    if (nearest.size() == neighbours) {
-      if (squared >= nearest.front()) continue;
-      std::ranges::pop_heap(nearest);
-      nearest.pop_back();
-    }
-    nearest.push_back(squared);
-    std::ranges::push_heap(nearest);
+    const Vec3 offset = cloud.positions[i] - center;
+    if (glm::dot(offset, offset) > near || i == point) continue;
+    const DVec3 exact = DVec3(cloud.positions[i]) - DVec3(center);
+    squares.push_back(glm::dot(exact, exact));
   }
-  std::ranges::sort_heap(nearest);
+  PALPATE_CHECK_LE(std::size_t{neighbours}, squares.size());
+  std::ranges::partial_sort(squares, squares.begin() + neighbours);
   double sum = 0;
-  for (const double squared : nearest) sum += std::sqrt(squared);
-  return sum / static_cast<double>(nearest.size());
+  for (std::size_t k = 0; k < neighbours; ++k) sum += std::sqrt(squares[k]);
+  return sum / neighbours;
 }
 
 // Distances of single precision, of which those near the limit are exact; false where too many are.
@@ -119,7 +116,8 @@ bool refine(std::vector<double>& distances, const PointCloud& cloud, std::uint32
     if (std::abs(distances[i] - limit) <= kNear * limit) border.push_back(i);
   if (static_cast<double>(border.size()) * static_cast<double>(cloud.size()) > kScanned) return false;
   parallelBlocks(border.size(), 1, threads, [&](std::size_t k, std::size_t) {
-    distances[border[k]] = scannedDistance(cloud, border[k], neighbours);
+    // The farthest neighbour is not farther than all of them together.
+    distances[border[k]] = scannedDistance(cloud, border[k], neighbours, neighbours * distances[border[k]]);
   });
   return true;
 }

@@ -75,7 +75,7 @@ void EditRelay::catchUp() {
   if (!batch_.empty()) {
     if (options_.log) options_.log->add(batch_);
     attributes_.follow(batch_, history_->points());
-    history_->follow(batch_, std::exchange(isMade_, false));
+    history_->follow(batch_, std::exchange(isKnown_, false));
   }
   if (options_.isPart) batch_.clear();
   if (shape_) {
@@ -157,13 +157,14 @@ void EditRelay::setPoints(std::span<const PointChange> changes) {
 void EditRelay::changePresence(const PointSet& points) {
   catchUp();
   history_->changePresence(points, [this](const PointSet& changed) { carryPresence(changed); });
-  endsInStroke_ = isMade_ = true;
+  endsInStroke_ = true;
   catchUp();
 }
 
 void EditRelay::carryPresence(const PointSet& points) {
   const PointStates& states = history_->points();
   if (options_.isPart || !edits_->changePresence(points, states)) edits_->change(presenceChanges(points, states));
+  isKnown_ = true;
 }
 
 // Undoes and redoes them all; where that fails, the followers learn how far it came.

@@ -101,7 +101,7 @@ class EditRelay {
   EditBatch batch_;
   EditBatch changed_;          // begins the next batch
   bool endsInStroke_ = false;  // the last change of the next batch is a stroke
-  bool isMade_ = false;        // and the history has made it
+  bool isKnown_ = false;       // the history has the states of the last change of the next batch
   std::uint64_t ticks_ = 0, period_ = 1;
   double lastFlush_s_ = 0;
   std::exception_ptr failure_, followerFailure_;  // the first one of each
