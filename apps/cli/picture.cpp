@@ -84,6 +84,7 @@ void addPictureOptions(Options& command, PictureOptions& options) {
            "radius of the discs, mm; auto: just wide enough to close the surface")
       .showDefault();
   addSettings(command, options.color, {});
+  addSettings(command, options.light, {});
   command.add("--pass", options.pass, "image to write: final, depth, smooth-depth, normal, color or position")
       .showDefault();
   command
@@ -148,6 +149,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
   FrameOptions frameOf = frameOptions(options, model);
   if (field) frameOf.color = field->colors(options.color);
+  frameOf.light = lightOf(options.light, model, {.isSoftware = device.isCpu(), .barePoints = options.points});
   frameOf.overlays = overlays;
   frameOf.lines = modelLines(model, options.cameras);
   if (options.cameras && model.cameras.empty())

@@ -4,12 +4,14 @@
 #include "apps/cli/look.hpp"
 #include "engine/render/frame.hpp"
 #include "haptics/session/colored_field.hpp"
+#include "haptics/session/light_config.hpp"
 
 namespace palpate {
 
 struct PictureOptions {
   LookOptions look;
   ColorConfig color;
+  LightConfig light{.material = Material::clay};  ///< pictures of scans keep their light unless auto is requested
   std::string size = "1280x720", camera, splatRadius = "auto", pass = "final", background, depthFile,
               raster = "compute";
   std::uint32_t smooth_px = 0, samples = 4;

@@ -341,6 +341,7 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
   help("unit of the file's lengths, for display only; it does not change the scale");
   dragLength("point radius", view.discRadius_mm, 0.01, {0, 5}, status, view.discRadius_mm > 0 ? "" : "auto");
   help("radius of the disc drawn for each point; auto (0): large enough to close the surface");
+  drawLight(view.light);
   checkbox("triangles", view.mesh);
   help("marching cubes (M); edited blocks are updated while you sculpt");
   if (view.mesh) {
@@ -375,6 +376,18 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
   ImGui::SameLine();
   post(button("Picture"), WindowCommand::screenshot);
   help("P: writes a picture of the model, without panels, to a file");
+}
+
+// The table's rows, with the names that the command line has.
+void Panels::drawLight(LightConfig& light) {
+  for (const Setting<LightConfig>& setting : settingsOf(&light)) {
+    const auto& member = std::get<WordMember<LightConfig>>(setting.member);
+    const std::vector<std::string> names = member.all();
+    const std::vector<std::string_view> words(names.begin(), names.end());
+    auto chosen = static_cast<std::size_t>(std::ranges::find(words, member.name(light)) - words.begin());
+    if (chooseWord(setting.flag.substr(2).data(), words, chosen)) member.choose(light, words[chosen]);
+    help(std::string(setting.help));
+  }
 }
 
 void Panels::drawSides() {

@@ -169,6 +169,7 @@ class Panels {
   void drawOthers(const ViewStatus& status);
   void drawMatter(const ViewStatus& status);
   void drawLook(const ViewStatus& status, ViewSettings& view);
+  void drawLight(LightConfig& light);
   void drawSides();
   void drawFiles(const ViewStatus& status);
   bool drawEntries();

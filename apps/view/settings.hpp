@@ -10,12 +10,14 @@
 #include "apps/view/session.hpp"
 #include "engine/cloud/length_text.hpp"
 #include "haptics/session/colored_field.hpp"
+#include "haptics/session/light_config.hpp"
 
 namespace palpate {
 
 /// How the model is shown, and how the mouse holds the stylus.
 struct ViewSettings {
   ColorConfig color;
+  LightConfig light;
   std::optional<UpAxis> up;    ///< nothing: by the model's shape
   std::optional<DVec3> front;  ///< of a model that was turned; nothing: by its shape
   std::optional<LengthUnit> unit;

@@ -79,6 +79,7 @@ void ShownModel::fit(const UVec2& window_px, const ViewSettings& view) {
 bool ShownModel::aim(const WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched,
                      const DVec2& cursor_px) {
   FrameOptions options = frameOptions(session, view, field(), touched);
+  options.light = lightOf(view.light, session.model(), {.isSoftware = sight_.isCpu(), .barePoints = false});
   options.lines = lines_.lines();
   return picture_.aim(session, mesh_, camera, options, cursor_px);
 }

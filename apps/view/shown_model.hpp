@@ -13,7 +13,7 @@ class Messages;
 
 class ShownModel {
  public:
-  explicit ShownModel(Device& sight) : picture_(sight), mesh_(sight) {}
+  explicit ShownModel(Device& sight) : sight_(sight), picture_(sight), mesh_(sight) {}
 
   /// Called when another model is opened, while the GPU draws nothing.
   void forget();
@@ -42,6 +42,7 @@ class ShownModel {
   const ColoredField* field() const { return mesh_.triangleCount() > 0 ? nullptr : field_.field(); }
 
  private:
+  Device& sight_;
   ModelPicture picture_;
   ShownMesh mesh_;
   ShownLines lines_;

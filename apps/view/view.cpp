@@ -23,6 +23,7 @@ struct ViewCommandOptions {
   std::vector<std::string> models;
   LookOptions look;
   ColorConfig color;
+  LightConfig light;
   MotionOptions motion;
   StreamOptions stream;
   JoinOptionsGiven join;
@@ -91,6 +92,7 @@ void view(Context& context, const ViewCommandOptions& options) {
   ViewOptions view{.models = options.models,
                    .look = options.look,
                    .color = options.color,
+                   .light = options.light,
                    .resolution = std::stoi(options.resolution),
                    .size_px = {width, height},
                    .held = held};
@@ -182,6 +184,7 @@ void addView(Options& app, Context& context, Command& command) {
   addPrepareOptions(sub, options->prepare);
   addLookOptions(sub, options->look);
   addSettings(sub, options->color, {});
+  addSettings(sub, options->light, {});
   addWindowOptions(sub, *options);
   sub.add("--device", options->device,
           "device that moves the stylus: mouse (or keys and a gamepad); auto: the one that the window used last, and "

@@ -28,6 +28,7 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
   view.unit = unitNamed(options.look.unit);
   view.resolution = options.resolution;
   view.color = options.color;
+  view.light = options.light;
   // A script with its own clock need not wait for the display.
   if (script_.hasOwnClock()) view.waitsForDisplay = false;
   followDevice();

@@ -26,6 +26,7 @@ struct ViewOptions {
   FeelSettings feel;
   LookOptions look;
   ColorConfig color;
+  LightConfig light;
   int resolution = 128;  ///< of the triangles
   UVec2 size_px{1280, 720};
   HeldDevice& held;

@@ -18,6 +18,7 @@ void DrawnAttributes::follow(std::span<const AttributeChange> changes) {
 void DrawnAttributes::flip(const MaskFlip& flip) {
   const auto role = static_cast<std::size_t>(flip.role);
   if (role >= masks_.size() || flip.points.empty()) return;
+  ++changes_;
   Mask& mask = masks_[role];
   if (!mask.bits) {
     mask.words.resize(count_ / 64 + 1);

@@ -33,6 +33,8 @@ class DrawnAttributes {
   const Buffer* mask(MaskRole role) const;
   /// A float for each point; null while no numbers are shown.
   const Buffer* values() const { return values_ ? &*values_ : nullptr; }
+  /// Counts the changes of masks.
+  std::uint64_t changes() const { return changes_; }
   std::uint64_t bytes() const;
 
  private:
@@ -45,6 +47,7 @@ class DrawnAttributes {
 
   Device& device_;
   std::uint32_t count_;
+  std::uint64_t changes_ = 0;
   std::array<Mask, 2> masks_;  // selected, hidden
   std::optional<Buffer> values_;
 };

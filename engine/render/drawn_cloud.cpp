@@ -1,6 +1,7 @@
 #include "engine/render/drawn_cloud.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <limits>
 #include <utility>
@@ -42,6 +43,11 @@ std::vector<Vec4> normalsOf(const PointCloud& cloud, std::size_t count) {
   return packed;
 }
 
+std::uint64_t nextStamp() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 }  // namespace
 
 DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptions& options)
@@ -63,7 +69,8 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
              {.pushBytes = sizeof(shared::PlaceArgs), .sliceThreads = kPlaceSlice}),
       leave_(device, shader_code::render_drawn_cloud_leave,
              {.pushBytes = sizeof(shared::PlaceArgs), .sliceThreads = kPlaceSlice}),
-      list_(device, device.throughputQueue(), "catch up") {
+      list_(device, device.throughputQueue(), "catch up"),
+      stamp_(nextStamp()) {
   upload(device, device.throughputQueue(), points_.positions, positionsOf(cloud, count_));
   upload(device, device.throughputQueue(), points_.normals, normalsOf(cloud, count_));
   if (hasColors_) {
@@ -134,6 +141,7 @@ void DrawnCloud::apply(const Entries& entries) {
   device_.throughputQueue().run(list_);
   if (follows) radii_->index().readFollowed();
   isStale_ = true;
+  stamp_ = nextStamp();
   knowsMeasured_ = false;
 }
 
@@ -163,6 +171,7 @@ void DrawnCloud::place(const LiveCloud::Half& live, std::uint32_t slots, bool co
   list_.end();
   device_.throughputQueue().run(list_);
   isStale_ = true;
+  stamp_ = nextStamp();
 }
 
 void DrawnCloud::place(const CloudFrame& frame) {

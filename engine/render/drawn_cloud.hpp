@@ -50,6 +50,8 @@ class DrawnCloud {
   /// the position is NaN.
   std::uint32_t count() const { return count_; }
   bool hasColors() const { return hasColors_; }
+  /// Another number after each change of the points, and another one for each cloud.
+  std::uint64_t stamp() const { return stamp_; }
   /// Bounds of the cloud as loaded; edits do not change them.
   const Bounds& bounds() const { return bounds_; }
   /// count vec4: xyz relative to the cloud's origin; w the bits of the id, or of kEmptySlot.
@@ -91,8 +93,9 @@ class DrawnCloud {
   CommandList list_;
   std::optional<SplatRadii> radii_;
   std::optional<Buffer> measured_;  // vec4, see PlaceArgs
-  bool isStale_ = false;            // some discs must be measured again
-  bool knowsMeasured_ = false;      // measured_ is valid
+  std::uint64_t stamp_;
+  bool isStale_ = false;        // some discs must be measured again
+  bool knowsMeasured_ = false;  // measured_ is valid
 };
 
 }  // namespace palpate

@@ -37,13 +37,14 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
   const Drawn about = drawn(cloud, options);
   const RasterTarget target = targetWith(about, camera, options, 0);
   const auto frame = list.section("frame");
+  const Ground* const under = ground(list, cloud, about, options);
   if (options.raster != Raster::compute) {
     recordHardware(list, cloud, target, about, camera, options);
   } else {
     recordClear(list, about.hasColors);
     raster_.record(list, cloud, target);
   }
-  shading_.record(list, target, camera, options);
+  shading_.record(list, target, camera, options, under);
 }
 
 void Frame::record(CommandList& list, const DrawnMesh& mesh, const Camera& camera, const FrameOptions& options) {
@@ -51,12 +52,21 @@ void Frame::record(CommandList& list, const DrawnMesh& mesh, const Camera& camer
   const std::uint32_t tiles = tilesOf(about, camera, size_px().y);
   const RasterTarget target = targetWith(about, camera, options, tiles);
   const auto frame = list.section("frame");
+  const Ground* const under = ground(list, mesh, about, options);
   recordClear(list, mesh.hasColors);
   {
     const auto section = list.section("triangles");
     triangles_.record(list, mesh, tiles, target);
   }
-  shading_.record(list, target, camera, options);
+  shading_.record(list, target, camera, options, under);
+}
+
+template <class Cloud>
+const Ground* Frame::ground(CommandList& list, const Cloud& cloud, const Drawn& about, const FrameOptions& options) {
+  if (!options.light.ground || options.pass != ImagePass::final) return nullptr;
+  if (!ground_) ground_ = std::make_unique<Ground>(device_);
+  ground_->follow(list, cloud, groundMap(options.shown.value_or(about.bounds), options.up, about.spacing));
+  return ground_.get();
 }
 
 void Frame::recordHardware(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target, const Drawn& about,

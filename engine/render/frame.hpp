@@ -7,6 +7,7 @@
 #include "engine/render/drawn_mesh.hpp"
 #include "engine/render/frame_constants.hpp"
 #include "engine/render/frame_options.hpp"
+#include "engine/render/ground.hpp"
 #include "engine/render/hardware_raster.hpp"
 #include "engine/render/image.hpp"
 #include "engine/render/shading.hpp"
@@ -55,6 +56,9 @@ class Frame {
   // Replaces clearing and the compute passes.
   void recordHardware(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target, const Drawn& about,
                       const Camera& camera, const FrameOptions& options);
+  /// The map of the ground for a picture with its shadow, after the model's changes; null: a picture without.
+  template <class Cloud>
+  const Ground* ground(CommandList& list, const Cloud& cloud, const Drawn& about, const FrameOptions& options);
   void readBack(const Buffer& from, std::span<std::byte> to) const;
 
   Device& device_;
@@ -63,6 +67,7 @@ class Frame {
   TriangleRaster triangles_;
   Shading shading_;
   std::unique_ptr<HardwareRaster> hardware_;  // made at its first use
+  std::unique_ptr<Ground> ground_;            // likewise
   Buffer constants_;
   std::uint32_t recordings_ = 0;
   Buffer depth_, normalSums_, colorSums_;

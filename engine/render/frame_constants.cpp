@@ -1,6 +1,7 @@
 #include "engine/render/frame_constants.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -9,7 +10,9 @@ namespace palpate {
 
 namespace {
 
-const Vec3 kClay(0.58f, 0.40f, 0.29f);  // linear light
+// Of points without colour, by material; linear light.
+const std::array<Vec3, 5> kBaseColors{Vec3(0.58f, 0.40f, 0.29f), Vec3(0.42f, 0.40f, 0.37f), Vec3(0.78f, 0.76f, 0.72f),
+                                      Vec3(0.56f, 0.57f, 0.60f), Vec3(0.58f, 0.40f, 0.29f)};
 const Vec3 kBackgroundTop(0.020f, 0.024f, 0.033f);
 const Vec3 kBackgroundBottom(0.115f, 0.125f, 0.145f);
 constexpr double kDiscThickness = 0.12;  // of its radius
@@ -136,6 +139,7 @@ Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options) {
               .splatRadius = options.splatRadius,
               .widestSplat = options.splatRadius > 0 ? options.splatRadius : cloud.largestRadius(),
               .usualRadius = usualRadius(cloud, options),
+              .spacing = cloud.spacing(),
               .closeHoles = options.closeHoles,
               .inSample = cloud.count(),
               .everyPoint = options.everyPoint || options.raster == Raster::hardware};
@@ -161,6 +165,7 @@ Drawn drawn(const DrawnMesh& mesh) {
           .splatRadius = 0,
           .widestSplat = 0,
           .usualRadius = kTriangleOff * mesh.cell,
+          .spacing = mesh.cell,
           .closeHoles = false,
           .inSample = kTrianglesInSample,
           .everyPoint = true};
@@ -198,7 +203,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .imagePass = static_cast<std::uint32_t>(options.pass),
                             .colorBy = source ? static_cast<std::uint32_t>(*source) : shared::kColorByFile,
                             .hasColors = drawn.hasColors,
-                            .material = kClay,
+                            .baseColor = kBaseColors[static_cast<std::size_t>(options.light.material)],
                             .shown = drawn.shown,
                             .backgroundTop = kBackgroundTop,
                             .occlusionRadius = static_cast<float>(kOcclusionRadius * shown.longestSide()),
@@ -211,7 +216,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .lowValue = static_cast<float>(range.low),
                             .highValue = static_cast<float>(range.high),
                             .colorMap = static_cast<std::uint32_t>(options.colorMap),
-                            .unused = 0};
+                            .material = static_cast<std::uint32_t>(options.light.material)};
   if (drawn.closeHoles) {
     const double radius_px = usual * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));

@@ -28,6 +28,7 @@ struct Drawn {
   double splatRadius;       ///< common radius of all discs, model units; 0: each disc has its own
   double widestSplat;       ///< largest radius of a disc, model units
   double usualRadius;       ///< typical radius of discs, or deviation of triangles from the true surface, model units
+  double spacing;           ///< of points, or corners of triangles, model units
   bool closeHoles;          ///< close gaps between discs
   std::uint32_t inSample;   ///< maximum number that may add up in one sample
   bool everyPoint;          ///< draw every point, however fine

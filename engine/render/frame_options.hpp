@@ -56,6 +56,26 @@ struct FieldColors {
 /// (normal, depth, height).
 using ColorBy = std::variant<ColorSource, FieldColors>;
 
+/// How the surface sends light to the eye.
+enum class Material : std::uint32_t {
+  clay = shared::kMaterialClay,
+  stone = shared::kMaterialStone,
+  plaster = shared::kMaterialPlaster,
+  metal = shared::kMaterialMetal,
+  unlit = shared::kMaterialUnlit,  ///< the colours as they are
+};
+
+/// What adds to the plain light of a picture; each is a pass of its own (Relief, Ground, Shading).
+struct Light {
+  Material material = Material::clay;
+  bool occlusion = false;  ///< hollows are darker, by the share of the sky that is hidden there
+  bool cavity = false;     ///< grooves are darker and ridges brighter
+  bool ground = false;     ///< soft shadow on the ground at the lowest height along FrameOptions::up
+  bool eyeDome = false;    ///< what lies behind what is beside it is darker
+
+  bool operator==(const Light&) const = default;
+};
+
 /// Rasteriser of discs. The pictures are equal except for samples on the rims of discs.
 enum class Raster : std::uint32_t {
   compute,
@@ -138,6 +158,7 @@ struct FrameOptions {
   /// are those of the points, blended.
   std::uint32_t smooth_px = 0;
   Raster raster = Raster::compute;
+  Light light;                  ///< of the pass final
   DVec3 up{0, 1, 0};            ///< unit, along an axis
   std::optional<Bounds> shown;  ///< range of colours by height, depth and position; the cloud's box if not set
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a dark gradient if not set

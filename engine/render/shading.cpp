@@ -1,7 +1,9 @@
 #include "engine/render/shading.hpp"
 
 #include "engine/gpu/device.hpp"
+#include "engine/render/ground.hpp"
 #include "shaders/compiled.hpp"
+#include "shaders/shared/look.h"
 
 namespace palpate {
 
@@ -10,7 +12,7 @@ Shading::Shading(Device& device, const FrameSize& size)
       size_(size),
       closeHoles_(device, shader_code::render_close_holes, {.pushBytes = sizeof(shared::CloseHolesArgs)}),
       smoothDepth_(device, shader_code::render_smooth_depth, {.pushBytes = sizeof(shared::SmoothDepthArgs)}),
-      shade_(device, shader_code::render_shade, {.pushBytes = sizeof(shared::ShadeArgs)}),
+      shade_(device, shader_code::render_shade, {.pushBytes = sizeof(shared::ShadeArgs), .constants = {0}}),
       resolve_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs), .constants = {0}}),
       overlay_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs), .constants = {1}}),
       smoothed_(deviceWords(device, 0, "frame smoothed depth")),
@@ -27,7 +29,36 @@ DeviceAddress Shading::recordSmoothing(CommandList& list, const RasterTarget& ta
   return smoothed_.address();
 }
 
-void Shading::record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options) {
+void Shading::recordShade(CommandList& list, const RasterTarget& target, DeviceAddress depth, const Light& light) {
+  Relief::Result relief;
+  if (light.occlusion || light.cavity) {
+    if (!relief_) relief_ = std::make_unique<Relief>(device_, size_);
+    relief = relief_->record(list, target, source_.address(), depth, light.occlusion, light.cavity);
+  }
+  const bool isPlain = light.material == Material::clay && relief.surfels == 0;
+  if (!isPlain && !reliefShade_)
+    reliefShade_.emplace(device_, shader_code::render_shade,
+                         PipelineOptions{.pushBytes = sizeof(shared::ShadeArgs), .constants = {1}});
+  list.dispatch(isPlain ? shade_ : *reliefShade_, samples(),
+                shared::ShadeArgs{.frame = target.frame,
+                                  .source = source_.address(),
+                                  .depth = depth,
+                                  .normalSums = target.normalSums,
+                                  .colorSums = target.colorSums,
+                                  .shaded = shaded_.address(),
+                                  .surfels = relief.surfels,
+                                  .openness = relief.openness,
+                                  .cavity = relief.cavity});
+  if (!light.eyeDome) return;
+  if (!eyeDome_)
+    eyeDome_.emplace(device_, shader_code::render_eye_dome, PipelineOptions{.pushBytes = sizeof(shared::EyeDomeArgs)});
+  list.dispatch(*eyeDome_, samples(),
+                shared::EyeDomeArgs{
+                    .frame = target.frame, .source = source_.address(), .depth = depth, .shaded = shaded_.address()});
+}
+
+void Shading::record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options,
+                     const Ground* ground) {
   {
     const auto section = list.section("holes");
     list.dispatch(closeHoles_, samples(),
@@ -35,13 +66,8 @@ void Shading::record(CommandList& list, const RasterTarget& target, const Camera
   }
   const DeviceAddress depth = options.smooth_px > 0 ? recordSmoothing(list, target) : target.depth;
   const auto section = list.section("shade");
-  list.dispatch(shade_, samples(),
-                shared::ShadeArgs{.frame = target.frame,
-                                  .source = source_.address(),
-                                  .depth = depth,
-                                  .normalSums = target.normalSums,
-                                  .colorSums = target.colorSums,
-                                  .shaded = shaded_.address()});
+  recordShade(list, target, depth, options.pass == ImagePass::final ? options.light : Light());
+  if (ground) ground->recordShadow(list, target, source_.address(), depth, shaded_.address(), samples());
   shared::ResolveArgs resolve{.frame = target.frame,
                               .source = source_.address(),
                               .depth = depth,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "engine/gpu/command_list.hpp"
 #include "engine/render/camera.hpp"
@@ -8,8 +9,11 @@
 #include "engine/render/frame_constants.hpp"
 #include "engine/render/frame_options.hpp"
 #include "engine/render/line_pass.hpp"
+#include "engine/render/relief.hpp"
 
 namespace palpate {
+
+class Ground;
 
 /// Converts a rasteriser's output to the picture: assigns surfaces to samples, smooths depth if requested, lights,
 /// resolves the samples of each pixel, and draws overlays.
@@ -17,7 +21,9 @@ class Shading {
  public:
   Shading(Device& device, const FrameSize& size);
 
-  void record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options);
+  /// `ground`: whose shadow is drawn; null: none.
+  void record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options,
+              const Ground* ground);
 
   /// A word for each pixel, RGBA8.
   const Buffer& image() const { return image_; }
@@ -28,6 +34,7 @@ class Shading {
   std::uint64_t pixels() const { return std::uint64_t{size_.width} * size_.height; }
   std::uint64_t samples() const { return pixels() * size_.supersample * size_.supersample; }
   void recordLines(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options);
+  void recordShade(CommandList& list, const RasterTarget& target, DeviceAddress depth, const Light& light);
   // Returns the address of the depth to be shaded.
   DeviceAddress recordSmoothing(CommandList& list, const RasterTarget& target);
 
@@ -36,7 +43,10 @@ class Shading {
   ComputePipeline closeHoles_, smoothDepth_, shade_, resolve_, overlay_;
   Buffer smoothed_;  // allocated at the first use
   Buffer source_, shaded_, image_, depthImage_;
-  std::unique_ptr<LinePass> lines_;  // created at the first use
+  // Created at their first use:
+  std::optional<ComputePipeline> reliefShade_, eyeDome_;
+  std::unique_ptr<Relief> relief_;
+  std::unique_ptr<LinePass> lines_;
 };
 
 }  // namespace palpate

@@ -1,13 +1,18 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 // Turns the sums of every sample into light, or into the requested intermediate image.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/color.glsl"
 #include "shaders/render/depth_slope.glsl"
-#include "shaders/render/lighting.glsl"
+#include "shaders/render/materials.glsl"
 #include "shaders/render/occlusion.glsl"
 #include "shaders/render/sums.glsl"
+#include "shaders/render/surfel.glsl"
 #include "shaders/shared/ramp.h"
+
+// Not 0: with materials, and with what Relief has made. The plain look is a variant of its own, so that it costs no more.
+layout(constant_id = 1) const uint kRelief = 0;
 
 layout(push_constant, scalar) uniform Push { ShadeArgs args; };
 
@@ -24,7 +29,7 @@ vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
     const float bottom = min(dot(low, up), dot(high, up)), top = max(dot(low, up), dot(high, up));
     return toLinear(rampColor(map, (dot(position, up) - bottom) / max(top - bottom, 1e-30)));
   }
-  if (args.frame.at[0].hasColors == 0) return args.frame.at[0].material;
+  if (args.frame.at[0].hasColors == 0) return args.frame.at[0].baseColor;
   const uvec2 size = args.frame.at[0].view.size_px;
   return toLinear(colorAt(args.colorSums, place, size.x * size.y) / max(weightAt(args.normalSums, place), 1));
 }
@@ -47,9 +52,14 @@ vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   if (imagePass == kPassPosition) return toLinear(clamp((position - low) / max(high - low, vec3(1e-30)), 0, 1));
   const vec3 albedo = albedoAt(place, normal, position, depth);
   if (imagePass == kPassColor) return albedo;
-  const float access = opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
-                                    args.frame.at[0].occlusionRadius, args.frame.at[0].usualRadius);
-  return lit(albedo, toEye(view, normal), -normalize(inEye), access);
+  const bool isOpen = kRelief != 0 && uvec2(args.openness) != uvec2(0);
+  const float access = isOpen ? atSample(view, args.openness, args.surfels, uvec2(place_px), depth)
+                              : opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
+                                           args.frame.at[0].occlusionRadius, args.frame.at[0].usualRadius);
+  if (kRelief == 0) return lit(albedo, toEye(view, normal), -normalize(inEye), access);
+  const vec3 light = litAs(args.frame.at[0].material, albedo, toEye(view, normal), -normalize(inEye), access);
+  const bool hasCavity = uvec2(args.cavity) != uvec2(0);
+  return light * (hasCavity ? atSample(view, args.cavity, args.surfels, uvec2(place_px), depth) : 1);
 }
 
 void main() {

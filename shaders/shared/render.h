@@ -79,6 +79,13 @@ const uint kColorByNormal = 1;
 const uint kColorByDepth = 2;
 const uint kColorByHeight = 3;
 
+// How the surface sends light to the eye.
+const uint kMaterialClay = 0;
+const uint kMaterialStone = 1;
+const uint kMaterialPlaster = 2;
+const uint kMaterialMetal = 3;
+const uint kMaterialUnlit = 4;
+
 // What the points of a cloud have (RenderFrame::shown).
 const uint kShownColors = 1;    // colours of their own
 const uint kShownSelected = 2;  // a mask: tinted
@@ -145,7 +152,7 @@ struct RenderFrame {
   uint imagePass;
   uint colorBy;
   uint hasColors;         // not 0: colours are summed
-  vec3 material;          // of points without colour, linear light
+  vec3 baseColor;         // of points without colour, linear light
   uint shown;             // kShown* of the points
   vec3 backgroundTop;     // linear light
   float occlusionRadius;  // model units; 0: none
@@ -157,7 +164,7 @@ struct RenderFrame {
   PALPATE_ADDRESS(Uints) values;  // bits of a float for each point; NaN: no number
   float lowValue, highValue;      // ends of the ramp
   uint colorMap;                  // kMap* of the ramp
-  uint unused;
+  uint material;                  // kMaterial*
 };
 PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52 + 40);
 
@@ -237,8 +244,12 @@ struct ShadeArgs {
   PALPATE_ADDRESS(Uints) normalSums;
   PALPATE_ADDRESS(Uints) colorSums;
   PALPATE_ADDRESS(UVec2s) shaded;  // one per sample: linear light as four half floats
+  // Of Relief, one per pixel; null: not made.
+  PALPATE_ADDRESS(UVec2s) surfels;
+  PALPATE_ADDRESS(Floats) openness;
+  PALPATE_ADDRESS(Floats) cavity;
 };
-PALPATE_SIZE(ShadeArgs, 48);
+PALPATE_SIZE(ShadeArgs, 72);
 
 struct ResolveArgs {
   PALPATE_ADDRESS(RenderFrames) frame;

@@ -1,0 +1,42 @@
+#include "haptics/session/light_config.hpp"
+
+#include "engine/cloud/estimated_normals.hpp"
+#include "haptics/session/model.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr Setting<LightConfig> kLight[]{
+    {"material", words<&LightConfig::material, kMaterialChoices>(), "--material",
+     "surface of the model: clay (soft highlights), stone (rough), plaster (white, soft shadows), metal (reflections), "
+     "unlit (the colours as they are), or auto (unlit for a file with colours and without normals, else clay)"},
+    {"occlusion", words<&LightConfig::occlusion, kSwitchChoices>(), "--occlusion",
+     "darken hollows by the share of the sky that is hidden there: on, off, or auto (off on software drivers)"},
+    {"cavity", words<&LightConfig::cavity, kSwitchChoices>(), "--cavity",
+     "darken grooves and brighten ridges, wherever the light is: on, off, or auto (off on software drivers)"},
+    {"ground", words<&LightConfig::ground, kSwitchChoices>(), "--ground",
+     "draw the soft shadow on a ground below the model, which is not felt: on, off, or auto (off on software drivers)"},
+    {"eye_dome", words<&LightConfig::eyeDome, kSwitchChoices>(), "--eye-dome",
+     "darken what lies behind what is beside it, without normals: on, off, or auto (on for bare points, off on "
+     "software drivers, and where auto makes the material unlit)"},
+};
+
+}  // namespace
+
+std::span<const Setting<LightConfig>> settingsOf(const LightConfig*) { return kLight; }
+
+Light lightOf(const LightConfig& config, const Model& model, const LightFor& picture) {
+  const bool isBareScan = model.as<StillPoints>() && model.cloud.hasColors() && areNormalsEstimated(model.cloud);
+  const Material material = config.material.value_or(isBareScan ? Material::unlit : Material::clay);
+  const bool isUnlit = material == Material::unlit;
+  const bool isShaped = !picture.isSoftware && !isUnlit && !picture.barePoints;
+  const bool foundUnlit = isUnlit && !config.material;
+  return {.material = material,
+          .occlusion = config.occlusion.value_or(isShaped),
+          .cavity = config.cavity.value_or(isShaped),
+          .ground = config.ground.value_or(!picture.isSoftware),
+          .eyeDome = config.eyeDome.value_or(foundUnlit || (picture.barePoints && !picture.isSoftware))};
+}
+
+}  // namespace palpate

@@ -1,0 +1,47 @@
+// Settings of how a picture lights the surface. Independent of Vulkan.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "engine/core/setting.hpp"
+#include "engine/render/frame_options.hpp"
+
+namespace palpate {
+
+struct Model;
+
+inline constexpr std::array<std::pair<std::string_view, std::optional<Material>>, 6> kMaterialChoices{
+    {{"auto", std::nullopt},
+     {"clay", Material::clay},
+     {"stone", Material::stone},
+     {"plaster", Material::plaster},
+     {"metal", Material::metal},
+     {"unlit", Material::unlit}}};
+inline constexpr std::array<std::pair<std::string_view, std::optional<bool>>, 3> kSwitchChoices{
+    {{"auto", std::nullopt}, {"on", true}, {"off", false}}};
+
+/// Empty: automatic (lightOf()).
+struct LightConfig {
+  std::optional<Material> material;
+  std::optional<bool> occlusion, cavity, ground, eyeDome;
+
+  bool operator==(const LightConfig&) const = default;
+};
+std::span<const Setting<LightConfig>> settingsOf(const LightConfig*);
+
+/// What a picture is drawn by and of, for what is automatic.
+struct LightFor {
+  bool isSoftware = false;  ///< a driver that draws on the CPU
+  bool barePoints = false;  ///< points are drawn without discs
+};
+/// The same rule for the window, its saved pictures and the command line. Material: unlit if the file has colours and
+/// its normals are estimates, else clay. The others: on unless the driver is software, which would be too slow; of
+/// unlit colours, only the ground. Eye-dome light: for what has no other light: on for such colours, and for bare
+/// points unless the driver is software.
+Light lightOf(const LightConfig& config, const Model& model, const LightFor& picture);
+
+}  // namespace palpate
