@@ -5,6 +5,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/gpu/device.hpp"
+#include "engine/render/ground.hpp"
 
 namespace palpate {
 
@@ -32,6 +33,8 @@ Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uin
       depth_(deviceWords(device, samples(), "frame depth")),
       normalSums_(deviceWords(device, 4 * samples(), "frame normal sums")),
       colorSums_(deviceWords(device, 3 * samples(), "frame color sums")) {}
+
+Frame::~Frame() = default;
 
 void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options) {
   const Drawn about = drawn(cloud, options);

@@ -7,13 +7,14 @@
 #include "engine/render/drawn_mesh.hpp"
 #include "engine/render/frame_constants.hpp"
 #include "engine/render/frame_options.hpp"
-#include "engine/render/ground.hpp"
 #include "engine/render/hardware_raster.hpp"
 #include "engine/render/image.hpp"
 #include "engine/render/shading.hpp"
 #include "engine/render/triangle_raster.hpp"
 
 namespace palpate {
+
+class Ground;
 
 /// A picture of a cloud by surface splatting (Zwicker et al. 2001), in compute shaders or by the graphics pipeline, or
 /// of a mesh by its triangles: the passes and the images between them. The same input gives the same bytes on the same
@@ -29,6 +30,7 @@ class Frame {
   /// checkSize().
   Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t supersample = 2,
         bool wideAtomics = true);
+  ~Frame();
 
   void record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options);
   /// The same for a mesh, which is lit by its vertices' normals; ignores the options for splats.

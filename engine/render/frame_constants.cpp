@@ -12,7 +12,7 @@ namespace {
 
 // Of points without colour, by material; linear light.
 const std::array<Vec3, 5> kBaseColors{Vec3(0.58f, 0.40f, 0.29f), Vec3(0.42f, 0.40f, 0.37f), Vec3(0.78f, 0.76f, 0.72f),
-                                      Vec3(0.56f, 0.57f, 0.60f), Vec3(0.58f, 0.40f, 0.29f)};
+                                      Vec3(0.50f, 0.50f, 0.51f), Vec3(0.58f, 0.40f, 0.29f)};
 const Vec3 kBackgroundTop(0.020f, 0.024f, 0.033f);
 const Vec3 kBackgroundBottom(0.115f, 0.125f, 0.145f);
 constexpr double kDiscThickness = 0.12;  // of its radius

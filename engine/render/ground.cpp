@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kShadowRoom = 0.45;          // around the box, of its longest side
+constexpr double kShadowRoom = 0.45;    // around the box, of its longest side
 constexpr double kCell_spacings = 1.5;  // minimum: with fewer points in a cell, the shadow gets holes
 constexpr std::uint64_t kCells = std::uint64_t{shared::kMaxGroundCells} * shared::kMaxGroundCells;
 
@@ -41,8 +41,10 @@ shared::GroundMap groundMap(const Bounds& bounds, const DVec3& up, double spacin
 Ground::Ground(Device& device)
     : heights_(device, shader_code::render_ground_heights, {.pushBytes = sizeof(shared::GroundHeightsArgs)}),
       hide_(device, shader_code::render_ground_shadow, {.pushBytes = sizeof(shared::GroundShadowArgs)}),
+      blur_(device, shader_code::render_ground_blur, {.pushBytes = sizeof(shared::GroundShadowArgs)}),
       darken_(device, shader_code::render_ground, {.pushBytes = sizeof(shared::GroundArgs)}),
       heightMap_(deviceWords(device, 2 * kCells, "heights above the ground")),
+      rough_(deviceWords(device, kCells, "shadow on the ground before its blur")),
       shadow_(deviceWords(device, kCells, "shadow on the ground")) {}
 
 void Ground::follow(CommandList& list, const DrawnCloud& cloud, const shared::GroundMap& map) {
@@ -80,9 +82,10 @@ void Ground::make(CommandList& list, const shared::GroundHeightsArgs& args) {
   list.fill(heightMap_, shared::kNoDepth, bytes);
   list.fill(heightMap_, 0, bytes, bytes);
   list.dispatch(heights_, args.map.count, args);
-  list.dispatch(
-      hide_, cells,
-      shared::GroundShadowArgs{.map = args.map, .heights = heightMap_.address(), .shadow = shadow_.address()});
+  const shared::GroundShadowArgs shadow{
+      .map = args.map, .heights = heightMap_.address(), .rough = rough_.address(), .shadow = shadow_.address()};
+  list.dispatch(hide_, cells, shadow);
+  list.dispatch(blur_, cells, shadow);
 }
 
 void Ground::recordShadow(CommandList& list, const RasterTarget& target, DeviceAddress source, DeviceAddress depth,

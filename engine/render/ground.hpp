@@ -33,8 +33,8 @@ class Ground {
  private:
   void make(CommandList& list, const shared::GroundHeightsArgs& args);
 
-  ComputePipeline heights_, hide_, darken_;
-  Buffer heightMap_, shadow_;
+  ComputePipeline heights_, hide_, blur_, darken_;
+  Buffer heightMap_, rough_, shadow_;
   shared::GroundMap map_{};
   std::pair<std::uint64_t, std::uint64_t> made_{0, 0};  // stamps of the points that the map is of; 0: of none
 };

@@ -2,6 +2,7 @@
 
 #include "engine/gpu/device.hpp"
 #include "engine/render/ground.hpp"
+#include "engine/render/relief.hpp"
 #include "shaders/compiled.hpp"
 #include "shaders/shared/look.h"
 
@@ -20,6 +21,8 @@ Shading::Shading(Device& device, const FrameSize& size)
       shaded_(deviceWords(device, 2 * samples(), "frame shaded")),
       image_(deviceWords(device, pixels(), "frame image")),
       depthImage_(deviceWords(device, pixels(), "frame depth image")) {}
+
+Shading::~Shading() = default;
 
 DeviceAddress Shading::recordSmoothing(CommandList& list, const RasterTarget& target) {
   if (smoothed_.bytes() == 0) smoothed_ = deviceWords(device_, samples(), "frame smoothed depth");

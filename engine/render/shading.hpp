@@ -9,17 +9,18 @@
 #include "engine/render/frame_constants.hpp"
 #include "engine/render/frame_options.hpp"
 #include "engine/render/line_pass.hpp"
-#include "engine/render/relief.hpp"
 
 namespace palpate {
 
 class Ground;
+class Relief;
 
 /// Converts a rasteriser's output to the picture: assigns surfaces to samples, smooths depth if requested, lights,
 /// resolves the samples of each pixel, and draws overlays.
 class Shading {
  public:
   Shading(Device& device, const FrameSize& size);
+  ~Shading();
 
   /// `ground`: whose shadow is drawn; null: none.
   void record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options,

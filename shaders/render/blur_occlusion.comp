@@ -3,6 +3,7 @@
 // Removes the pattern of 4 x 4 pixels from the occlusion, within the surface: each of its 16 pixels has the same
 // weight, times one of the distance from this pixel's plane.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/pattern.glsl"
 #include "shaders/render/surfel.glsl"
 #include "shaders/shared/look.h"
 
@@ -26,9 +27,7 @@ void main() {
         if (!isSurface(there)) continue;
         const float off = abs(dot(there.position - here.position, here.normal)) / band;
         const float alike = max(dot(there.normal, here.normal), 0);
-        // Pixels two to the left and two to the right have the same place in the pattern.
-        const float share = (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0);
-        const float weight = share * max(1 - off, 0) * alike;
+        const float weight = shareOf(ivec2(x, y)) * max(1 - off, 0) * alike;
         sum += weight * args.from.at[at.y * size.x + at.x];
         weights += weight;
       }

@@ -11,7 +11,7 @@
 layout(push_constant, scalar) uniform Push { CavityArgs args; };
 
 // Change of the normal over a ring, radians; pixels beyond a step in depth count as flat.
-float bendOver(RenderView view, Surfel here, ivec2 pixel, int radius_px, float pixelSize, float slant) {
+float bendOver(RenderView view, Surfel here, ivec2 pixel, int radius_px, float pixelSize, float slant, float byDepth) {
   const int diagonal_px = max(int(round(0.7071 * float(radius_px))), 1);
   float sum = 0;
   for (int k = 0; k < 9; ++k) {
@@ -22,9 +22,9 @@ float bendOver(RenderView view, Surfel here, ivec2 pixel, int radius_px, float p
     const vec3 away = there.position - here.position;
     const float squared = max(dot(away, away), 1e-30);
     const float weight = clamp(3 - sqrt(squared) * slant / (float(radius_px) * pixelSize), 0, 1);
-    sum += weight * dot(2 * here.normal - (there.normal - here.normal), away) / squared;
+    sum += weight * dot(byDepth * 2 * here.normal - (1 - byDepth) * (there.normal - here.normal), away) / squared;
   }
-  return sum / 16 * float(radius_px) * pixelSize;
+  return sum / 8 * float(radius_px) * pixelSize;
 }
 
 void main() {
@@ -40,9 +40,9 @@ void main() {
     const float slant = max(-dot(here.normal, normalize(here.position)), 0.2);
     const int narrow_px =
         clamp(int(round(kCavityRadii * args.frame.at[0].usualRadius / pixelSize)), 1, int(kCavityWidest_px));
-    const float bend = bendOver(view, here, pixel, narrow_px, pixelSize, slant) +
-                       bendOver(view, here, pixel, narrow_px * int(kCavityScale), pixelSize, slant);
-    const float effect = bend / (abs(bend) + kCavityHalf);
+    const float bend = bendOver(view, here, pixel, narrow_px, pixelSize, slant, 0) +
+                       bendOver(view, here, pixel, narrow_px * int(kCavityScale), pixelSize, slant, 0.5);
+    const float effect = bend * inversesqrt(bend * bend + kCavityHalf * kCavityHalf);
     factor = 1 - (effect > 0 ? kValleyShade : kRidgeLight) * effect;
   }
   args.cavity.at[place] = factor;

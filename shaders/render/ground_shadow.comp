@@ -5,6 +5,7 @@
 // sin^2 b - sin^2 a of the light on the ground. What is high above casts a soft shadow, and what stands on the ground a
 // dark one close to it.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/pattern.glsl"
 #include "shaders/shared/look.h"
 
 layout(push_constant, scalar) uniform Push { GroundShadowArgs args; };
@@ -14,9 +15,10 @@ void main() {
   const uint cells = args.map.cells;
   if (place >= cells * cells) return;
   const ivec2 at = ivec2(place % cells, place / cells);
+  const float turn = (float(rankOf(at)) + 0.5) / 16;
   float hidden = 0;
   for (uint k = 0; k < kGroundDirections; ++k) {
-    const float angle = 6.2831853 * (float(k) + 0.5) / float(kGroundDirections);
+    const float angle = 6.2831853 * (float(k) + turn) / float(kGroundDirections);
     const vec2 along = vec2(cos(angle), sin(angle));
     float low = 1, high = 0;  // sin^2 of elevations
     for (uint step = 0; step < 2 * cells; ++step) {
@@ -33,5 +35,5 @@ void main() {
     }
     hidden += max(high - low, 0);
   }
-  args.shadow.at[place] = hidden / float(kGroundDirections);
+  args.rough.at[place] = hidden / float(kGroundDirections);
 }

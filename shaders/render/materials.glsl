@@ -5,7 +5,7 @@
 
 const float kStoneRoughness = 0.6;  // standard deviation of the slopes of its facets, radians
 const float kPlasterWrap = 0.4;     // how far light reaches around it
-const float kMetalEnvironment = 2.6, kMetalHighlight = 1.6, kMetalDiffuse = 0.25, kMetalShininess = 60;
+const float kMetalEnvironment = 2.1, kMetalHighlight = 1.6, kMetalDiffuse = 0.25, kMetalShininess = 60;
 const float kUnlitHollow = 0.35;  // light that is left in a hollow without any sky
 
 // Arguments as for lit().
@@ -33,7 +33,7 @@ vec3 litMetal(vec3 albedo, vec3 normal, vec3 toViewer, float access) {
   const vec3 key = normalize(kKeyDirection);
   const vec3 mirrored = reflect(-toViewer, normal);
   const vec3 color = albedo + (1 - albedo) * pow(1 - clamp(dot(normal, toViewer), 0, 1), 5);
-  const vec3 around = mix(kGround, kSky, smoothstep(-0.4, 0.6, mirrored.y));
+  const vec3 around = mix(kGround, kSky, smoothstep(-0.5, 0.8, mirrored.y));
   const float highlight = pow(max(dot(normal, normalize(key + toViewer)), 0), kMetalShininess);
   return color * (kMetalEnvironment * around * access + kMetalHighlight * kKeyLight * highlight * access +
                   kMetalDiffuse * kKeyLight * max(dot(normal, key), 0));

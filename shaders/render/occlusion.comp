@@ -5,18 +5,13 @@
 // accurate indirect occlusion", section 3), divided by that of an open plane, so that planes are not darkened. Surfaces
 // farther than the radius do not count.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/pattern.glsl"
 #include "shaders/render/surfel.glsl"
 #include "shaders/shared/look.h"
 
 layout(push_constant, scalar) uniform Push { OcclusionArgs args; };
 
 const float kPi = 3.14159265;
-
-// 0 to 15, each once in 4 x 4 pixels (Bayer 1973).
-uint rankOf(ivec2 pixel) {
-  const uint x = uint(pixel.x ^ pixel.y), y = uint(pixel.y);
-  return (x & 1) << 3 | (y & 1) << 2 | (x & 2) | (y & 2) >> 1;
-}
 
 // Sky from the view direction to a horizon at `angle` in a slice in which the normal is at `normal`, times 4.
 float skyUpTo(float angle, float normal) { return cos(normal) + 2 * angle * sin(normal) - cos(2 * angle - normal); }
@@ -31,7 +26,8 @@ void main() {
   args.to.at[place] = 1;
   if (!isSurface(here)) return;
   const float focal = pixelFocal(view);
-  const float reach_px = min(kSkyRadius * args.frame.at[0].occlusionRadius * focal / here.depth, kHorizonReach_px);
+  const float reach_px =
+      min(kSkyRadius * args.frame.at[0].occlusionRadius * focal / here.depth, kHorizonReach * float(size.y));
   if (!(reach_px >= 1)) return;
   const float reach = reach_px * here.depth / focal;
   const vec3 toEye = -normalize(here.position);

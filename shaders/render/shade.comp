@@ -9,9 +9,11 @@
 #include "shaders/render/occlusion.glsl"
 #include "shaders/render/sums.glsl"
 #include "shaders/render/surfel.glsl"
+#include "shaders/shared/look.h"
 #include "shaders/shared/ramp.h"
 
-// Not 0: with materials, and with what Relief has made. The plain look is a variant of its own, so that it costs no more.
+// Not 0: with materials, and with what Relief has made. The plain look is a variant of its own, so that it costs no
+// more.
 layout(constant_id = 1) const uint kRelief = 0;
 
 layout(push_constant, scalar) uniform Push { ShadeArgs args; };
@@ -53,9 +55,10 @@ vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   const vec3 albedo = albedoAt(place, normal, position, depth);
   if (imagePass == kPassColor) return albedo;
   const bool isOpen = kRelief != 0 && uvec2(args.openness) != uvec2(0);
-  const float access = isOpen ? atSample(view, args.openness, args.surfels, uvec2(place_px), depth)
-                              : opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
-                                           args.frame.at[0].occlusionRadius, args.frame.at[0].usualRadius);
+  const float access = isOpen
+                           ? pow(atSample(view, args.openness, args.surfels, uvec2(place_px), depth), kOcclusionPower)
+                           : opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
+                                        args.frame.at[0].occlusionRadius, args.frame.at[0].usualRadius);
   if (kRelief == 0) return lit(albedo, toEye(view, normal), -normalize(inEye), access);
   const vec3 light = litAs(args.frame.at[0].material, albedo, toEye(view, normal), -normalize(inEye), access);
   const bool hasCavity = uvec2(args.cavity) != uvec2(0);

@@ -8,11 +8,13 @@ PALPATE_SHARED_BEGIN
 // Directions in which a pixel looks for the horizon, to both sides, and samples on each side. A pattern of 4 x 4 pixels
 // rotates the directions, and the blur over as many pixels removes the pattern.
 const uint kSlices = 2;
-const uint kSliceSteps = 6;
+const uint kSliceSteps = 8;
 // Within which surfaces hide the sky, in RenderFrame::occlusionRadius.
-const float kSkyRadius = 1.5f;
-// Longest distance of those samples, pixels of the picture. Wider only costs time where the model is close.
-const float kHorizonReach_px = 96;
+const float kSkyRadius = 4;
+// Longest distance of those samples, of the picture's height.
+const float kHorizonReach = 0.25f;
+// Exponent of the share of the sky in the light: reflections between surfaces aside, 1 would be right for a white sky.
+const float kOcclusionPower = 2;
 // In usual radii: height above the surface from which a sample looks, so that discs do not hide each other.
 const float kHorizonLift = 0.25f;
 // In usual radii, and in pixels: distance from a pixel's plane over which occlusion is blurred.
@@ -24,8 +26,8 @@ const float kCavityRadii = 0.75f;  // of the narrow ring, usual radii
 const uint kCavityWidest_px = 8;   // of the narrow ring
 const uint kCavityScale = 4;       // radius of the wide ring in those of the narrow one
 // Change of the normal over a ring's radius, radians, at which half of the effect is reached.
-const float kCavityHalf = 0.12f;
-const float kValleyShade = 0.7f;  // largest share by which valleys darken
+const float kCavityHalf = 0.2f;
+const float kValleyShade = 0.6f;  // largest share by which valleys darken
 const float kRidgeLight = 0.35f;  // and ridges brighten
 
 // Rings of eight samples around each sample, radius in pixels of the picture; their number; and how fast depth darkens.
@@ -34,8 +36,8 @@ const float kEyeDomeWidest_px = 3;
 const float kEyeDomeStrength = 0.35f;
 const float kEyeDomeSteepest = 8;  // larger slopes count as this one
 
-// Directions in which a place on the ground looks for the columns that hide its sky.
-const uint kGroundDirections = 32;
+// Directions in which a cell of the ground looks for the columns that hide its sky; a pattern rotates them as above.
+const uint kGroundDirections = 16;
 const uint kMaxGroundCells = 96;  // along each side of the map
 const float kGroundStrength = 0.8f;
 const float kGroundFade = 0.25f;  // share of the map's side, at its borders, over which the shadow fades out
@@ -99,9 +101,10 @@ PALPATE_SIZE(GroundHeightsArgs, 104);
 struct GroundShadowArgs {
   GroundMap map;
   PALPATE_ADDRESS(Uints) heights;
-  PALPATE_ADDRESS(Floats) shadow;  // out, one per cell: share of the sky that is hidden
+  PALPATE_ADDRESS(Floats) rough;   // one per cell: share of the sky that is hidden, with the pattern
+  PALPATE_ADDRESS(Floats) shadow;  // out, likewise, without it
 };
-PALPATE_SIZE(GroundShadowArgs, 80);
+PALPATE_SIZE(GroundShadowArgs, 88);
 
 struct GroundArgs {
   GroundMap map;

@@ -1,0 +1,60 @@
+// What is automatic in the light of a picture.
+#include "haptics/session/light_config.hpp"
+
+#include <doctest/doctest.h>
+
+#include "engine/cloud/estimated_normals.hpp"
+#include "haptics/session/model.hpp"
+
+namespace palpate::light_config_test {
+
+namespace {
+
+Model modelWith(bool colors, bool estimated) {
+  Model model;
+  model.cloud.positions.assign(3, Vec3(0));
+  model.cloud.normals.assign(3, Vec3(0, 0, 1));
+  if (colors) model.cloud.colors.assign(3, {1, 2, 3, 255});
+  if (estimated) markNormalsAsEstimated(model.cloud, true);
+  return model;
+}
+constexpr LightFor kHardware{.isSoftware = false, .barePoints = false},
+    kSoftware{.isSoftware = true, .barePoints = false};
+
+}  // namespace
+
+TEST_CASE("a scan with normals is drawn plainly on a software driver, and shaped on a GPU") {
+  for (const bool colors : {false, true}) {
+    const Model model = modelWith(colors, false);
+    CHECK(lightOf({}, model, kSoftware) == Light());
+    CHECK(lightOf({}, model, kHardware) == Light{.occlusion = true, .cavity = true, .ground = true});
+  }
+  CHECK(lightOf({}, modelWith(false, true), kSoftware) == Light());  // without colours it needs light
+}
+
+TEST_CASE("colours whose normals are estimates are shown as they are, with eye-dome light") {
+  const Model bare = modelWith(true, true);
+  CHECK(lightOf({}, bare, kSoftware) == Light{.material = Material::unlit, .eyeDome = true});
+  CHECK(lightOf({}, bare, kHardware) == Light{.material = Material::unlit, .ground = true, .eyeDome = true});
+  CHECK(lightOf({.material = Material::clay}, bare, kSoftware) == Light());
+}
+
+TEST_CASE("bare points have eye-dome light in place of occlusion and cavities") {
+  const Model model = modelWith(true, false);
+  CHECK(lightOf({}, model, {.isSoftware = false, .barePoints = true}) == Light{.ground = true, .eyeDome = true});
+  CHECK(lightOf({}, model, {.isSoftware = true, .barePoints = true}) == Light());
+}
+
+TEST_CASE("what is requested is drawn on any driver") {
+  const LightConfig all{
+      .material = Material::metal, .occlusion = true, .cavity = true, .ground = true, .eyeDome = true};
+  const LightConfig none{
+      .material = Material::clay, .occlusion = false, .cavity = false, .ground = false, .eyeDome = false};
+  for (const LightFor& picture : {kHardware, kSoftware}) {
+    CHECK(lightOf(all, modelWith(true, true), picture) ==
+          Light{.material = Material::metal, .occlusion = true, .cavity = true, .ground = true, .eyeDome = true});
+    CHECK(lightOf(none, modelWith(true, true), picture) == Light());
+  }
+}
+
+}  // namespace palpate::light_config_test
