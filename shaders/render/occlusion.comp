@@ -31,7 +31,8 @@ void main() {
   if (!(reach_px >= 1)) return;
   const float reach = reach_px * here.depth / focal;
   const vec3 toEye = -normalize(here.position);
-  const vec3 from = here.position + kHorizonLift * args.frame.at[0].usualRadius * here.normal;
+  const vec3 from =
+      here.position + (kHorizonLift * args.frame.at[0].usualRadius + 1e-3 * here.depth / focal) * here.normal;
   const float turn = (float(rankOf(pixel)) + 0.5) / 16;
 
   float visible = 0, open = 0;
@@ -54,6 +55,8 @@ void main() {
         const Surfel there = surfelAt(view, args.surfels, pixel + ivec2(round(side == 0 ? step_px : -step_px)));
         if (!isSurface(there)) continue;
         const vec3 away = there.position - from;
+        // Surfaces below the tangent plane hide nothing, though the pixel nearest to the slice may be beside it.
+        if (dot(away, here.normal) <= 0) continue;
         const float squared = max(dot(away, away), 1e-30);
         const float weight = max(1 - squared / (reach * reach), 0);
         const float cosine = mix(lowest[side], dot(away, toEye) * inversesqrt(squared), weight);

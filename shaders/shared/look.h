@@ -30,11 +30,12 @@ const float kCavityHalf = 0.2f;
 const float kValleyShade = 0.6f;  // largest share by which valleys darken
 const float kRidgeLight = 0.35f;  // and ridges brighten
 
-// Rings of eight samples around each sample, radius in pixels of the picture; their number; and how fast depth darkens.
+// Rings of eight samples around each sample: their number, the radius of the widest one in pixels of the picture, and
+// how fast depth darkens.
 const uint kEyeDomeRings = 2;
 const float kEyeDomeWidest_px = 3;
-const float kEyeDomeStrength = 0.35f;
-const float kEyeDomeSteepest = 8;  // larger slopes count as this one
+const float kEyeDomeStrength = 0.3f;
+const float kEyeDomeSteepest = 6;  // larger slopes count as this one
 
 // Directions in which a cell of the ground looks for the columns that hide its sky; a pattern rotates them as above.
 const uint kGroundDirections = 16;

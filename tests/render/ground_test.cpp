@@ -48,10 +48,6 @@ class GroundFixture : public PictureFixture {
   bool made_ = false;  // by the last call
 };
 
-shared::GroundMap mapOf(const PointCloud& cloud, double spacing = 0.02) {
-  return groundMap(boundsOf(cloud), {0, 1, 0}, spacing);
-}
-
 /// At the middle of a cell, in map coordinates.
 double at(const std::vector<float>& shadow, const shared::GroundMap& map, const DVec3& place) {
   const DVec3 from = place - DVec3(map.corner);
@@ -152,7 +148,7 @@ TEST_CASE_FIXTURE(GroundFixture, "the map is that of all directions, for each up
             }
           sum += std::abs(double{shadow[i]} - expected / shares);
         }
-        CHECK(sum / static_cast<double>(count) < 0.03);
+        CHECK(sum / static_cast<double>(count) < (spacing < 0.1 ? 0.03 : 0.06));  // steps as long as a cell
       }
 }
 

@@ -192,7 +192,43 @@ TEST_CASE_FIXTURE(GpuFixture, "glyphs come from the texture, texel by texel") {
   CHECK(got[0] == 0xff000000u);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a smaller picture is interpolated linearly, at awkward sizes") {
+namespace {
+
+/// Brightness as shaders/render/panel_compose.comp weighs it.
+int brightnessOf(std::uint32_t rgba) {
+  return static_cast<int>(2 * (rgba & 0xff) + 5 * (rgba >> 8 & 0xff) + (rgba >> 16 & 0xff));
+}
+
+double cross(const DVec2& a, const DVec2& b) { return a.x * b.y - a.y * b.x; }
+
+/// A picture between the centres of its pixels, linear in the triangle that contains the position: by its barycentric
+/// coordinates. A picture goes on beyond its border.
+Color between(const std::vector<std::uint32_t>& picture, const UVec2& size_px, DVec2 at) {
+  at = glm::clamp(at, DVec2(0), DVec2(size_px) - 1.0);
+  const DVec2 low = glm::min(glm::floor(at), glm::max(DVec2(size_px) - 2.0, DVec2(0)));
+  const auto pixel = [&](double x, double y) {
+    const DVec2 place = glm::min(low + DVec2(x, y), DVec2(size_px) - 1.0);
+    return picture[static_cast<std::size_t>(place.y) * size_px.x + static_cast<std::size_t>(place.x)];
+  };
+  const bool falls = std::abs(brightnessOf(pixel(0, 0)) - brightnessOf(pixel(1, 1))) <
+                     std::abs(brightnessOf(pixel(1, 0)) - brightnessOf(pixel(0, 1)));
+  const std::array<DVec2, 2> ends = falls ? std::array{DVec2(0, 0), DVec2(1, 1)} : std::array{DVec2(1, 0), DVec2(0, 1)};
+  // The third corner is the one on the side of the diagonal where the position is.
+  const DVec2 t = at - low,
+              other = falls ? (t.x > t.y ? DVec2(1, 0) : DVec2(0, 1)) : (t.x + t.y < 1 ? DVec2(0, 0) : DVec2(1, 1));
+  const double whole = cross(ends[1] - ends[0], other - ends[0]);
+  const double third = cross(ends[1] - ends[0], t - ends[0]) / whole;
+  const double second = cross(t - ends[0], other - ends[0]) / whole;
+  Color color{};
+  for (std::size_t c = 0; c < 3; ++c)
+    color[c] = (1 - second - third) * unpacked(pixel(ends[0].x, ends[0].y))[c] +
+               second * unpacked(pixel(ends[1].x, ends[1].y))[c] + third * unpacked(pixel(other.x, other.y))[c];
+  return color;
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "a smaller picture is interpolated linearly in triangles, at awkward sizes") {
   Scene none;
   none.texture_px = {1, 1};
   none.texture = {255};
@@ -206,17 +242,33 @@ TEST_CASE_FIXTURE(GpuFixture, "a smaller picture is interpolated linearly, at aw
       const auto shown = drawn(device, none, size_px, picture, shrink, false, 0);
       for (std::uint32_t i = 0; i < shown.size(); ++i) {
         const DVec2 at((i % size_px.x + 0.5) / shrink - 0.5, (i / size_px.x + 0.5) / shrink - 0.5);
-        Color expected{};
-        for (std::uint32_t k = 0; k < picture.size(); ++k) {  // a picture goes on beyond its border
-          const DVec2 from(k % small_px.x, k / small_px.x);
-          const DVec2 away = glm::abs(glm::clamp(at, DVec2(0), DVec2(small_px) - 1.0) - from);
-          const double share = std::max(1 - away.x, 0.0) * std::max(1 - away.y, 0.0);
-          for (std::size_t c = 0; c < 3; ++c) expected[c] += share * unpacked(picture[k])[c];
-        }
+        const Color expected = between(picture, small_px, at);
         for (std::size_t c = 0; c < 3; ++c) CHECK(unpacked(shown[i])[c] == within(expected[c], 1.01 / 255));
         if (shrink == 1) CHECK(shown[i] == picture[i]);
       }
     }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a slanted edge in a smaller picture has no steps") {
+  Scene none;
+  none.texture_px = {1, 1};
+  none.texture = {255};
+  const UVec2 size_px(64, 64), small_px(32, 32);
+  for (const bool falls : {false, true}) {
+    std::vector<std::uint32_t> picture;
+    for (std::uint32_t i = 0; i < 32 * 32; ++i) {
+      const std::uint32_t x = falls ? i % 32 : 31 - i % 32;
+      picture.push_back(x > i / 32 ? 0xffffffffu : 0xff000000u);
+    }
+    const auto shown = drawn(device, none, size_px, picture, 2, false, 0);
+    // Along the edge all pixels are the same.
+    for (std::uint32_t off = 0; off < 4; ++off)
+      for (std::uint32_t y = 8; y < 56; ++y) {
+        const std::uint32_t x = falls ? y + off : 63 - y - off;
+        CHECK((shown[y * 64 + x] & 0xff) == (shown[8 * 64 + (falls ? 8 + off : 55 - off)] & 0xff));
+      }
+    CHECK((shown[20 * 64 + 10] & 0xff) == (falls ? 0 : 255));
+  }
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "a picture without panels can have blue first") {

