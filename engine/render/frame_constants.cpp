@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "shaders/shared/brush.h"
+
 namespace palpate {
 
 namespace {
@@ -28,6 +30,17 @@ constexpr std::uint32_t kTrianglesInSample = 1u << 17;
 float linearFromSrgb(std::uint8_t encoded) {
   const double x = encoded / 255.0;
   return static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
+}
+
+// The base colour as points carry it.
+std::uint32_t unpainted(Material material) {
+  if (material == Material::clay || material == Material::unlit) return shared::kUnpainted;
+  std::uint32_t color = 0xff000000u;
+  for (int k = 0; k < 3; ++k) {
+    const double light = double{kBaseColors[static_cast<std::size_t>(material)][k]};
+    color |= static_cast<std::uint32_t>(std::lround(255 * (1.055 * std::pow(light, 1 / 2.4) - 0.055))) << 8 * k;
+  }
+  return color;
 }
 
 shared::RenderView viewOf(const Camera& camera, const FrameSize& size) {
@@ -216,7 +229,9 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .lowValue = static_cast<float>(range.low),
                             .highValue = static_cast<float>(range.high),
                             .colorMap = static_cast<std::uint32_t>(options.colorMap),
-                            .material = static_cast<std::uint32_t>(options.light.material)};
+                            .material = static_cast<std::uint32_t>(options.light.material),
+                            .unpainted = unpainted(options.light.material),
+                            .unused = 0};
   if (drawn.closeHoles) {
     const double radius_px = usual * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));

@@ -158,7 +158,7 @@ struct FrameOptions {
   /// are those of the points, blended.
   std::uint32_t smooth_px = 0;
   Raster raster = Raster::compute;
-  Light light;                  ///< of the pass final
+  Light light;                  ///< of the pass final; its material also colours points without a colour
   DVec3 up{0, 1, 0};            ///< unit, along an axis
   std::optional<Bounds> shown;  ///< range of colours by height, depth and position; the cloud's box if not set
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a dark gradient if not set

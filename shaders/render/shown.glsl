@@ -12,10 +12,13 @@ bool isHidden(RenderFrames frame, uint point) {
   return (frame.at[0].shown & kShownHidden) != 0 && isIn(frame.at[0].hidden.at[point / 32], point);
 }
 
+// RGBA8: the base colour of the material for what is not painted.
+uint paintOf(RenderFrames frame, uint color) { return color == kUnpainted ? frame.at[0].unpainted : color; }
+
 // RGBA8. `colors`: the points' own, if they have any.
 uint shownColor(RenderFrames frame, Uints colors, uint point) {
   const uint shown = frame.at[0].shown;
-  const uint color = (shown & kShownColors) != 0 ? colors.at[point] : kUnpainted;
+  const uint color = paintOf(frame, (shown & kShownColors) != 0 ? colors.at[point] : kUnpainted);
   if ((shown & (kShownField | kShownSelected)) == 0) return color;
   vec3 result = unpackUnorm4x8(color).rgb;
   if ((shown & kShownField) != 0) {

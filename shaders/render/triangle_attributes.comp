@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // A mesh in compute, pass 2: the nearest triangle of a sample, or the few that meet there, add their normals and
 // colours. Sums are integers, so that their order does not matter.
+#include "shaders/render/shown.glsl"
 #include "shaders/render/sums.glsl"
 #include "shaders/render/triangle.glsl"
 
@@ -42,7 +43,7 @@ void main() {
         if (!hasColors) continue;
         vec3 color = vec3(0);
         for (uint k = 0; k < 3; ++k)
-          color += hit.shares[k] * unpackUnorm4x8(args.vertices.at[t.vertices[k]].color).rgb;
+          color += hit.shares[k] * unpackUnorm4x8(paintOf(args.frame, args.vertices.at[t.vertices[k]].color)).rgb;
         addColor(args.colorSums, place, view.size_px.x * view.size_px.y, 1, color, scale);
       }
   }

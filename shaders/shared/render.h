@@ -165,8 +165,10 @@ struct RenderFrame {
   float lowValue, highValue;      // ends of the ramp
   uint colorMap;                  // kMap* of the ramp
   uint material;                  // kMaterial*
+  uint unpainted;                 // baseColor as RGBA8: what points show that carry kUnpainted
+  uint unused;
 };
-PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52 + 40);
+PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52 + 48);
 
 #ifndef __cplusplus
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RenderFrames { RenderFrame at[]; };
