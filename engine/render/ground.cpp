@@ -81,10 +81,11 @@ void Ground::make(CommandList& list, const shared::GroundHeightsArgs& args) {
   const auto section = list.section("ground map");
   list.fill(heightMap_, shared::kNoDepth, bytes);
   list.fill(heightMap_, 0, bytes, bytes);
+  list.fill(rough_, 0, bytes);
   list.dispatch(heights_, args.map.count, args);
   const shared::GroundShadowArgs shadow{
       .map = args.map, .heights = heightMap_.address(), .rough = rough_.address(), .shadow = shadow_.address()};
-  list.dispatch(hide_, cells, shadow);
+  list.dispatch(hide_, cells * shared::kGroundDirections, shadow);
   list.dispatch(blur_, cells, shadow);
 }
 

@@ -17,8 +17,8 @@ void main() {
     for (int x = -2; x <= 2; ++x) {
       const ivec2 there = at + ivec2(x, y);
       if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, ivec2(cells)))) continue;
-      sum += shareOf(ivec2(x, y)) * args.rough.at[there.y * cells + there.x];
+      sum += shareOf(ivec2(x, y)) * float(args.rough.at[there.y * cells + there.x]);
       shares += shareOf(ivec2(x, y));
     }
-  args.shadow.at[place] = sum / shares;
+  args.shadow.at[place] = sum / (shares * kGroundUnit * float(kGroundDirections));
 }

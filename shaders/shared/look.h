@@ -39,6 +39,7 @@ const float kEyeDomeSteepest = 6;  // larger slopes count as this one
 
 // Directions in which a cell of the ground looks for the columns that hide its sky; a pattern rotates them as above.
 const uint kGroundDirections = 16;
+const float kGroundUnit = 65536;  // fixed-point unit of their sum
 const uint kMaxGroundCells = 96;  // along each side of the map
 const float kGroundStrength = 0.8f;
 const float kGroundFade = 0.25f;  // share of the map's side, at its borders, over which the shadow fades out
@@ -102,8 +103,8 @@ PALPATE_SIZE(GroundHeightsArgs, 104);
 struct GroundShadowArgs {
   GroundMap map;
   PALPATE_ADDRESS(Uints) heights;
-  PALPATE_ADDRESS(Floats) rough;   // one per cell: share of the sky that is hidden, with the pattern
-  PALPATE_ADDRESS(Floats) shadow;  // out, likewise, without it
+  PALPATE_ADDRESS(Uints) rough;    // one per cell: sky that is hidden, of all directions, with the pattern; kGroundUnit
+  PALPATE_ADDRESS(Floats) shadow;  // out, one per cell: share of the sky that is hidden, without the pattern
 };
 PALPATE_SIZE(GroundShadowArgs, 88);
 

@@ -281,4 +281,71 @@ TEST_CASE("the window draws a model upright, turns it upside down on demand, and
   CHECK(says(played->outcome.text, "so that the paint is visible"));
 }
 
+TEST_CASE("the light of a picture is set on the command line, and what is automatic leaves software drivers alone") {
+  const ScratchFolder folder;
+  const std::string torus = (folder / "t.ply").string(), picture = (folder / "p.png").string();
+  works("--quiet make torus -n 4000 -o " + torus);
+  const auto drawn = [&](const std::string& light) {
+    works("--quiet render " + torus + " -o " + picture + " --size 160x120 " + light + " --json " +
+          (folder / "r.json").string());
+    return Picture(picture).rgb;
+  };
+  const auto plain = drawn("--occlusion off --cavity off --ground off");
+  if (says(jsonOf(folder / "r.json")["gpu"].get<std::string>(), "llvmpipe")) {
+    CHECK(drawn("") == plain);
+    CHECK(drawn("--material auto --occlusion auto --cavity auto --ground auto --eye-dome auto") == plain);
+  }
+  for (const char* light : {"--occlusion on --cavity off --ground off", "--occlusion off --cavity on --ground off",
+                            "--occlusion off --cavity off --ground on", "--eye-dome on", "--material stone",
+                            "--material plaster", "--material metal", "--material unlit"}) {
+    CAPTURE(light);
+    CHECK(drawn(light) != plain);
+  }
+  const Outcome wrong = palpate("render " + torus + " -o " + picture + " --material wood");
+  CHECK(wrong.code == 2);
+  CHECK(says(wrong.text, "--material"));
+  CHECK(says(wrong.text, "plaster"));
+}
+
+TEST_CASE("the window shows colours without normals as they are, and the light that its panel sets") {
+  if (!hasDisplay()) return;
+  const auto writeBall = [](const std::filesystem::path& file) {
+    std::ofstream out(file);
+    constexpr int kPoints = 4000;
+    out << "ply\nformat ascii 1.0\nelement vertex " << kPoints
+        << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+           "property uchar blue\nend_header\n";
+    for (int i = 0; i < kPoints; ++i) {
+      const double z = 1 - 2 * (i + 0.5) / kPoints, angle = 2.39996323 * i, r = std::sqrt(1 - z * z);
+      out << r * std::cos(angle) << ' ' << r * std::sin(angle) << ' ' << z << " 90 160 60\n";
+    }
+  };
+  const auto played = playWell(
+      "%/ball.ply --size 900x640 --rate 250",
+      [&](const std::filesystem::path& folder) { writeBall(folder / "ball.ply"); },
+      R"(
+0.2 screenshot %/bare.png
+0.3 click Look
+0.5 click material
+0.7 click metal
+0.9 key ctrl+p
+1.1 screenshot %/metal.png
+1.2 state %/end.json
+1.3 quit
+)");
+  const Picture bare(played->folder.path() / "bare.png"), metal(played->folder.path() / "metal.png");
+  const std::array<int, 3> green{90, 160, 60};
+  const int x = 590, y = 320;  // the middle of the ball, beside the panel
+  int inColor = 0;
+  for (int dy = -60; dy <= 60; dy += 20)
+    for (int dx = -60; dx <= 60; dx += 20)
+      inColor +=
+          std::abs(bare.at(x + dx, y + dy)[0] - green[0]) <= 2 && std::abs(bare.at(x + dx, y + dy)[1] - green[1]) <= 2;
+  CHECK(inColor >= 45);  // of 49
+  CHECK(differing(bare, metal, x, y, 40) > 3000);
+  // The saved picture has the light of the window.
+  const Picture saved(played->folder.path() / "ball-1.png");
+  CHECK(differing(saved, metal, x, y, 40) == 0);
+}
+
 }  // namespace palpate::look_test
