@@ -235,10 +235,10 @@ void addView(Options& app, Context& context, Command& command) {
   sub.heading("Depth camera");
   addStreamOptions(sub, options->stream);
   sub.heading("Options");
-  sub.helpShows({"--mm-per-unit", "--up",      "--unit",       "--color-by", "--size",      "--script",
-                 "--realtime",    "--device",  "--backend",    "--surface",  "--edit",      "--rate",
-                 "--undo-memory", "--present", "--join",       "--partial",  "--interface", "--motion",
-                 "--live",        "--fuse",    "--intrinsics", "--speed"});
+  sub.helpShows({"--mm-per-unit", "--up",          "--unit",    "--color-by",   "--material", "--size",
+                 "--script",      "--realtime",    "--device",  "--backend",    "--surface",  "--edit",
+                 "--rate",        "--undo-memory", "--present", "--join",       "--partial",  "--interface",
+                 "--motion",      "--live",        "--fuse",    "--intrinsics", "--speed"});
   sub.footer(
       "Hold Space and move the mouse over the model: it is the stylus now. Press the left button to "
       "touch, and to sculpt once a brush is chosen (keys 2 to 8). H shows all keys.\n");

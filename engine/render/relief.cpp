@@ -14,7 +14,7 @@ Relief::Relief(Device& device, const FrameSize& size)
       bend_(device, shader_code::render_cavity, {.pushBytes = sizeof(shared::CavityArgs)}),
       surfels_(Buffer::of<UVec2>(device, pixels_, Memory::device, "surfels")),
       rough_(deviceWords(device, pixels_, "occlusion before its blur")),
-      openness_(deviceWords(device, pixels_, "occlusion")),
+      access_(deviceWords(device, pixels_, "occlusion")),
       cavity_(deviceWords(device, pixels_, "cavities")) {}
 
 Relief::Result Relief::record(CommandList& list, const RasterTarget& target, DeviceAddress source, DeviceAddress depth,
@@ -33,7 +33,7 @@ Relief::Result Relief::record(CommandList& list, const RasterTarget& target, Dev
     shared::OcclusionArgs args{.frame = target.frame, .surfels = surfels_.address(), .from = 0, .to = rough_.address()};
     list.dispatch(occlude_, pixels_, args);
     args.from = rough_.address();
-    args.to = result.openness = openness_.address();
+    args.to = result.access = access_.address();
     list.dispatch(blur_, pixels_, args);
   }
   if (cavity) {

@@ -15,21 +15,21 @@ class Relief {
 
   /// What was requested of the passes, for the shading; 0: not requested.
   struct Result {
-    DeviceAddress surfels = 0;   ///< an UVec2 per pixel (shaders/render/surfel.glsl)
-    DeviceAddress openness = 0;  ///< a float per pixel, 0 to 1
-    DeviceAddress cavity = 0;    ///< a float per pixel: factor on the light
+    DeviceAddress surfels = 0;  ///< an UVec2 per pixel (shaders/render/surfel.glsl)
+    DeviceAddress access = 0;   ///< a float per pixel, 0 to 1
+    DeviceAddress cavity = 0;   ///< a float per pixel: factor on the light
   };
   /// `source`: of the samples (ShadeArgs). `depth`: as shaded.
   Result record(CommandList& list, const RasterTarget& target, DeviceAddress source, DeviceAddress depth,
                 bool occlusion, bool cavity);
 
-  const Buffer& openness() const { return openness_; }
+  const Buffer& access() const { return access_; }
   const Buffer& cavity() const { return cavity_; }
 
  private:
   std::uint64_t pixels_;
   ComputePipeline gather_, occlude_, blur_, bend_;
-  Buffer surfels_, rough_, openness_, cavity_;
+  Buffer surfels_, rough_, access_, cavity_;
 };
 
 }  // namespace palpate

@@ -50,7 +50,7 @@ void Shading::recordShade(CommandList& list, const RasterTarget& target, DeviceA
                                   .colorSums = target.colorSums,
                                   .shaded = shaded_.address(),
                                   .surfels = relief.surfels,
-                                  .openness = relief.openness,
+                                  .access = relief.access,
                                   .cavity = relief.cavity});
   if (!light.eyeDome) return;
   if (!eyeDome_)

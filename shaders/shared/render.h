@@ -248,7 +248,7 @@ struct ShadeArgs {
   PALPATE_ADDRESS(UVec2s) shaded;  // one per sample: linear light as four half floats
   // Of Relief, one per pixel; null: not made.
   PALPATE_ADDRESS(UVec2s) surfels;
-  PALPATE_ADDRESS(Floats) openness;
+  PALPATE_ADDRESS(Floats) access;
   PALPATE_ADDRESS(Floats) cavity;
 };
 PALPATE_SIZE(ShadeArgs, 72);

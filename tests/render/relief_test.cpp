@@ -72,7 +72,7 @@ struct View {
 };
 
 struct Result {
-  std::vector<float> openness, cavity;
+  std::vector<float> access, cavity;
 };
 
 class ReliefFixture : public GpuFixture {
@@ -121,13 +121,13 @@ class ReliefFixture : public GpuFixture {
                   source.address(), depth.address(), true, true);
     list.end();
     device.throughputQueue().run(list);
-    return {download<float>(device, device.throughputQueue(), relief.openness(), pixels),
+    return {download<float>(device, device.throughputQueue(), relief.access(), pixels),
             download<float>(device, device.throughputQueue(), relief.cavity(), pixels)};
   }
 };
 
 /// The same horizons with many slices and steps, and the sky between them summed up numerically: of one pixel.
-double opennessOf(const View& view, const Surface& surface, std::uint32_t x, std::uint32_t y) {
+double accessOf(const View& view, const Surface& surface, std::uint32_t x, std::uint32_t y) {
   const auto here = surface(view.rayOfPixel(x, y));
   if (!here) return 1;
   const DVec3 at = here->depth * view.rayOfPixel(x, y), toEye = -glm::normalize(at), normal = here->normal;
@@ -186,9 +186,9 @@ TEST_CASE_FIXTURE(ReliefFixture, "occlusion is the share of the sky above the ho
       const Result result = draw(view, scene);
       double darkest = 1;
       std::vector<double> errors;
-      for (std::uint32_t i = 0; i < result.openness.size(); ++i) {
-        const double expected = opennessOf(view, scene, i % size_px.x, i / size_px.x);
-        errors.push_back(std::abs(double{result.openness[i]} - expected));
+      for (std::uint32_t i = 0; i < result.access.size(); ++i) {
+        const double expected = accessOf(view, scene, i % size_px.x, i / size_px.x);
+        errors.push_back(std::abs(double{result.access[i]} - expected));
         darkest = std::min(darkest, expected);
       }
       std::ranges::sort(errors);
@@ -202,12 +202,12 @@ TEST_CASE_FIXTURE(ReliefFixture, "a plane is open and flat, however it is tilted
   for (const DVec3& normal : {DVec3(0, 0, -1), DVec3(0.5, 0.8, -0.6), DVec3(-1, 0.3, -0.4)}) {
     const View view{.size_px = {37, 23}};
     const Result result = draw(view, plane({0, 0, 3}, normal));
-    for (const float open : result.openness) CHECK(open == within(1, 2e-3));
+    for (const float open : result.access) CHECK(open == within(1, 2e-3));
     for (const float cavity : result.cavity) CHECK(cavity == within(1, 2e-3));
   }
   for (const UVec2 size_px : {UVec2(1, 1), UVec2(17, 3)}) {
     const Result empty = draw({.size_px = size_px, .supersample = 2}, nothing);
-    for (const float open : empty.openness) CHECK(open == 1);
+    for (const float open : empty.access) CHECK(open == 1);
     for (const float cavity : empty.cavity) CHECK(cavity == 1);
   }
 }
@@ -252,7 +252,7 @@ TEST_CASE_FIXTURE(ReliefFixture, "the same surface gives the same bytes in every
   const Surface scene = nearestOf(ball({0, 0, 3}, 0.6), plane({0, -0.6, 3}, {0, 1, 0}));
   const View view{.size_px = {31, 27}, .supersample = 2, .usualRadius = 0.02};
   const Result first = draw(view, scene), second = draw(view, scene);
-  CHECK(first.openness == second.openness);
+  CHECK(first.access == second.access);
   CHECK(first.cavity == second.cavity);
 }
 
