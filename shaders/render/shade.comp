@@ -54,14 +54,15 @@ vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   if (imagePass == kPassPosition) return toLinear(clamp((position - low) / max(high - low, vec3(1e-30)), 0, 1));
   const vec3 albedo = albedoAt(place, normal, position, depth);
   if (imagePass == kPassColor) return albedo;
-  const bool isOpen = kRelief != 0 && uvec2(args.access) != uvec2(0);
-  const float access = isOpen ? pow(atSample(view, args.access, args.surfels, uvec2(place_px), depth), kOcclusionPower)
-                              : opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
-                                           args.frame.at[0].occlusionRadius, args.frame.at[0].usualRadius);
+  const bvec2 has =
+      bvec2(kRelief != 0 && uvec2(args.access) != uvec2(0), kRelief != 0 && uvec2(args.cavity) != uvec2(0));
+  vec2 relief = vec2(1);
+  if (any(has)) relief = atSample(view, args.access, args.cavity, has, args.surfels, uvec2(place_px), depth);
+  const float access = has.x ? pow(relief.x, kOcclusionPower)
+                             : opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
+                                          args.frame.at[0].occlusionRadius, args.frame.at[0].usualRadius);
   if (kRelief == 0) return lit(albedo, toEye(view, normal), -normalize(inEye), access);
-  const vec3 light = litAs(args.frame.at[0].material, albedo, toEye(view, normal), -normalize(inEye), access);
-  const bool hasCavity = uvec2(args.cavity) != uvec2(0);
-  return light * (hasCavity ? atSample(view, args.cavity, args.surfels, uvec2(place_px), depth) : 1);
+  return relief.y * litAs(args.frame.at[0].material, albedo, toEye(view, normal), -normalize(inEye), access);
 }
 
 void main() {

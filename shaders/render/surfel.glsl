@@ -39,15 +39,16 @@ Surfel surfelAt(RenderView view, UVec2s surfels, ivec2 pixel) {
 }
 bool isSurface(Surfel s) { return !isinf(s.depth); }
 
-// A number of each pixel, at a sample: from the four pixels around it, mostly those whose depth is close to its own.
-float atSample(RenderView view, Floats numbers, UVec2s surfels, uvec2 place, float depth) {
+// Two numbers of each pixel, at a sample: from the four pixels around it, mostly those whose depth is close to its own.
+// 1 for numbers that `has` does not name.
+vec2 atSample(RenderView view, Floats first, Floats second, bvec2 has, UVec2s surfels, uvec2 place, float depth) {
   const ivec2 size = pictureSize(view);
-  if (view.supersample == 1) return numbers.at[place.y * uint(size.x) + place.x];
   const vec2 at = (vec2(place) - float(view.supersample / 2)) / float(view.supersample);
   const ivec2 low = ivec2(floor(at));
   const vec2 t = at - vec2(low);
-  float sum = 0, weights = 0;
-  for (int k = 0; k < 4; ++k) {
+  const int pixels = view.supersample == 1 ? 1 : 4;
+  vec3 sum = vec3(0);
+  for (int k = 0; k < pixels; ++k) {
     const ivec2 pixel = clamp(low + ivec2(k & 1, k >> 1), ivec2(0), size - 1);
     const uint index = uint(pixel.y * size.x + pixel.x);
     const uint bits = surfels.at[index].x;
@@ -55,10 +56,9 @@ float atSample(RenderView view, Floats numbers, UVec2s surfels, uvec2 place, flo
     const vec2 share = mix(1 - t, t, bvec2(k & 1, k >> 1));
     const float apart = abs(uintBitsToFloat(bits) - depth) * pixelFocal(view) / depth;  // pixels
     const float weight = (share.x * share.y + 1e-3) / (1 + apart * apart);
-    sum += weight * numbers.at[index];
-    weights += weight;
+    sum += weight * vec3(has.x ? first.at[index] : 1, has.y ? second.at[index] : 1, 1);
   }
-  return weights > 0 ? sum / weights : 1;
+  return sum.z > 0 ? sum.xy / sum.z : vec2(1);
 }
 
 #endif

@@ -23,20 +23,22 @@ Camera cameraAt(double distance) {
 
 TEST_CASE("a GPU with small workgroups draws the same picture") {
   const PointCloud cloud = sampleShape(*makeShape("torus", 100.0, DVec3(0)), {.count = 20'000, .seed = 7});
-  const auto pictureOf = [&](Device& device) {
+  const auto pictureOf = [&](Device& device, const Light& light) {
     Frame frame(device, kWidth, kHeight, 2);
     const DrawnCloud drawn(device, cloud);
     CommandList list(device, device.throughputQueue(), "picture");
     list.begin();
-    frame.record(list, drawn, cameraAt(250), {.splatRadius = 2 * meanSpacing(cloud)});
+    frame.record(list, drawn, cameraAt(250), {.splatRadius = 2 * meanSpacing(cloud), .light = light});
     list.end();
     device.throughputQueue().run(list);
     return frame.readColor();
   };
-  const Image expected = pictureOf(plainDevice());
+  const Light all{.material = Material::stone, .occlusion = true, .cavity = true, .ground = true, .eyeDome = true};
+  const Image expected = pictureOf(plainDevice(), {}), expectedLight = pictureOf(plainDevice(), all);
   const LostGpuLayer layer(kMinGpu);
   Device small({.gpu = "", .validation = askedCoreValidation()});
-  CHECK(pictureOf(small).rgba == expected.rgba);
+  CHECK(pictureOf(small, {}).rgba == expected.rgba);
+  CHECK(pictureOf(small, all).rgba == expectedLight.rgba);
   CHECK(small.instance().messages().take().empty());
 }
 
