@@ -272,7 +272,7 @@ bool LogReader::takeCommands(const Block& block, Content& content, Checksum& sum
     std::memcpy(&command, left.data(), sizeof command);
     left = left.subspan(sizeof command);
     const std::uint64_t padded = (std::uint64_t{command.bytes} + 7) / 8 * 8;
-    if (padded > left.size() || command.kind > static_cast<std::uint32_t>(LoggedCommand::Kind::points)) return false;
+    if (padded > left.size() || command.kind > static_cast<std::uint32_t>(LoggedCommand::Kind::cancel)) return false;
     content.commands.push_back({.tick = command.tick,
                                 .kind = static_cast<LoggedCommand::Kind>(command.kind),
                                 .content = std::string(left.data(), command.bytes)});

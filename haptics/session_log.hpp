@@ -63,7 +63,8 @@ struct LoggedCommand {
     parameter,  ///< of a simulation; content: name and value
     frames,     ///< of a depth camera; content: play, pause or step
     attribute,  ///< a mask or a field changes; without content: it is the next one of EditMark::Kind::attribute
-    points      ///< a PointsAction of a set of points; content: bytesIn() it
+    points,     ///< a PointsAction of a set of points; content: bytesIn() it
+    cancel      ///< the stroke in progress was taken back
   };
   std::uint64_t tick = 0;  ///< number of ticks of the log before it
   Kind kind = Kind::back;

@@ -58,6 +58,11 @@ constexpr BrushSetting kBrushSettings[]{
      [](pp_brush& b, const py::handle& v, double) {
        std::ranges::copy(v.cast<std::array<std::uint8_t, 3>>(), b.color);
      }},
+    {"symmetry", "a text",
+     [](pp_brush& b, const py::handle& v, double) {
+       if (!py::isinstance<py::str>(v)) throw py::cast_error();
+       b.symmetry = PyUnicode_AsUTF8(v.ptr());
+     }},
 };
 
 }  // namespace

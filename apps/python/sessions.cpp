@@ -66,8 +66,9 @@ void bindTouch(py::class_<PySession>& session) {
            "mm in the hand, or radius and yield_depth, in model units; push_rate (push: share of the distance to its\n"
            "target that a point moves in one tick, 0 to 1), strength (share of the full effect in one tick,\n"
            "0 to 1), falloff (0 to 16), resample (points are inserted where the surface is stretched\n"
-           "and merged where it is crowded), color (three of 0 to 255). Of several hands the first one\n"
-           "sculpts.")
+           "and merged where it is crowded), color (three of 0 to 255), symmetry (each edit is also made mirrored, at\n"
+           "the plane across \"x\", \"y\" or \"z\" through the middle of the model, or at\n"
+           "\"PX,PY,PZ,NX,NY,NZ\", a position and the plane's normal). Of several hands the first one sculpts.")
       .def(
           "set_brush",
           [](PySession& self, const std::optional<std::string>& kind, const py::kwargs& settings) {
@@ -135,6 +136,14 @@ void bindTouch(py::class_<PySession>& session) {
           "Undoes the last strokes, each point to the last bit, and returns their number. A stroke consists\n"
           "of all edits in one contact, with gaps of up to 0.3 s. Raises Error, with the status \"network\", if the\n"
           "server of a joined session has not confirmed it within timeout_s; it is undone here all the same.")
+      .def(
+          "cancel_stroke",
+          [](PySession& self) { return self.with([](pp::Session& open) { return open.cancelStroke(); }); },
+          "cancel_stroke() -> bool\n\n"
+          "Takes the stroke in progress back, each point to the last bit, as if it had never been made: it cannot be\n"
+          "redone, and the hand makes no other before it has left the surface. Between two calls of touch_pose(), or\n"
+          "of a live hand. False where no stroke is in progress. Raises Error as undo() does, and for a stroke larger\n"
+          "than undo_memory_MiB, which stays.")
       .def(
           "redo",
           [](PySession& self, std::uint64_t strokes) {

@@ -16,6 +16,10 @@ namespace palpate {
 /// or not at all (putAway).
 enum class StylusCommand { hold, letGo, lockOrUnlock, putAway };
 
+/// What is done with the brush, or its stroke. cancelStroke: takes the stroke in progress back; the other commands of
+/// its key are then left out.
+enum class BrushCommand { dragSize, dragStrength, cancelStroke };
+
 /// Commands to the window; the last four do nothing without a model.
 enum class WindowCommand {
   quit,
@@ -72,6 +76,8 @@ struct SetVolume {
 };
 /// Turns the plane to its other side.
 struct FlipPlane {};
+/// Brushes are mirrored at that plane.
+struct MirrorAtPlane {};
 /// Numbers of moveSelection().
 struct MoveSelection {
   std::string way, angles_deg, factor;
@@ -140,10 +146,10 @@ struct CopyText {
   std::string text;
 };
 
-using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, SelectCommand, Answer, FileCommand,
-                                 BrowseCommand, ModelSide, LookAlong, SetParameter, SetValue, SelectVolume, SetVolume,
-                                 FlipPlane, MoveSelection, KeepSelection, SelectWhere, SetColorRange, SetTrueLength,
-                                 DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
+using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, BrushCommand, SelectCommand, Answer,
+                                 FileCommand, BrowseCommand, ModelSide, LookAlong, SetParameter, SetValue, SelectVolume,
+                                 SetVolume, FlipPlane, MirrorAtPlane, MoveSelection, KeepSelection, SelectWhere,
+                                 SetColorRange, SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

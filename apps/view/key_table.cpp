@@ -80,7 +80,7 @@ std::vector<KeyBinding> closers() {
 std::vector<KeyRow> make() {
   constexpr double kStep = 1.1;
   const Tools sculpt{WindowTool::sculpt}, select{WindowTool::select}, others{WindowTool::sculpt, WindowTool::look},
-      brushes{WindowTool::sculpt, WindowTool::select}, all{WindowTool::sculpt, WindowTool::select, WindowTool::look};
+      unsculpted{WindowTool::select, WindowTool::look}, all{WindowTool::sculpt, WindowTool::select, WindowTool::look};
   const auto plain = [](int key, std::vector<KeyAction> press) {
     return KeyBinding{key, kWithout, kEither, std::move(press)};
   };
@@ -95,6 +95,9 @@ std::vector<KeyRow> make() {
        {{GLFW_KEY_SPACE, kEither, kEither, {StylusCommand::hold}, {StylusCommand::letGo}}}},
       {sculpt, "Space + left button", "press into the model, and sculpt with a brush"},
       {sculpt, "Space + wheel", "deeper, or less deep"},
+      {sculpt, "hold Shift;  Ctrl",
+       "with the stylus or a device: smooth;  the inverse of the brush (of push inflate, of inflate push, of carve "
+       "inflate)"},
       {sculpt, "T", "keep the stylus without holding Space", {plain(GLFW_KEY_T, {StylusCommand::lockOrUnlock})}},
       {others, "left drag", "rotate the view about the point under the cursor"},
       {others, "middle drag, Shift + left", "move the view"},
@@ -178,6 +181,11 @@ std::vector<KeyRow> make() {
        "smaller, larger brush",
        {plain(GLFW_KEY_LEFT_BRACKET, {resizes(true, 1 / kStep)}),
         plain(GLFW_KEY_RIGHT_BRACKET, {resizes(true, kStep)})}},
+      {sculpt,
+       "F;  Shift+F",
+       "change the size of the brush;  its strength: move the mouse, then click or press Enter; Esc keeps the old one",
+       {{GLFW_KEY_F, kWithout, kWithout, {BrushCommand::dragSize}},
+        {GLFW_KEY_F, kWithout, kWith, {BrushCommand::dragStrength}}}},
       {select,
        "[  ]",
        "smaller, larger brush of the selection",
@@ -196,9 +204,11 @@ std::vector<KeyRow> make() {
         controlled(GLFW_KEY_O, kEither, {BrowseCommand{FileTask::open}})}},
       {others, "Backspace", "forces off, and on again", {plain(GLFW_KEY_BACKSPACE, {WindowCommand::switchForces})}},
       {all,
-       "M,  F",
+       "M,  Ctrl+F",
        "triangles (marching cubes), or points;  cameras on and off",
-       {plain(GLFW_KEY_M, {switches(&ViewSettings::mesh)}), plain(GLFW_KEY_F, {switches(&ViewSettings::cameras)})}},
+       {plain(GLFW_KEY_M, {switches(&ViewSettings::mesh)}),
+        controlled(GLFW_KEY_F, kEither, {switches(&ViewSettings::cameras)})}},
+      {unsculpted, "F", "cameras on and off", {plain(GLFW_KEY_F, {switches(&ViewSettings::cameras)})}},
       {others, "D", "measure between two positions", {plain(GLFW_KEY_D, {switches(&ViewSettings::measures)})}},
       {all,
        "Ctrl+C",
@@ -217,9 +227,10 @@ std::vector<KeyRow> make() {
        {plain(GLFW_KEY_C, {switches(&ViewSettings::plots)}), plain(GLFW_KEY_TAB, {switches(&ViewSettings::panels)})}},
       {others,
        "Esc",
-       "stop reading;  close a list, an error or help;  put the stylus away;  end measuring",
-       {plain(GLFW_KEY_ESCAPE, {closesHelp, WindowCommand::stopReading, StylusCommand::putAway,
-                                WindowCommand::closeErrors, WindowCommand::forgetMeasure})}},
+       "take the stroke in progress back;  else stop reading;  close a list, an error or help;  put the stylus away;  "
+       "end measuring",
+       {plain(GLFW_KEY_ESCAPE, {BrushCommand::cancelStroke, closesHelp, WindowCommand::stopReading,
+                                StylusCommand::putAway, WindowCommand::closeErrors, WindowCommand::forgetMeasure})}},
       {select,
        "Esc",
        "give the outline up;  stop reading;  close a list, an error or help",

@@ -19,6 +19,12 @@ const Range& sliderOf(std::string_view name) {
   return settingNamed<Section>(name).slider;
 }
 
+// With its inverse, which Ctrl gives.
+std::string whatItDoes(const BrushTraits& brush) {
+  return brush.inverse ? fmt::format("{}; with Ctrl: {}", brush.does, traitsOf(*brush.inverse).name)
+                       : fmt::format("{}; no inverse: {}", brush.does, brush.withoutInverse);
+}
+
 }  // namespace
 
 bool Panels::noted(std::string_view name, bool result) {
@@ -139,6 +145,7 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
   drawDistance(status, view);
   drawOutline(status.outline);
+  drawBrushHint(status.brush);
   drawVolume(status.volume);
   if (status.legend) drawLegend(*status.legend);
   if (view.panels && view.plots && status.session) drawPlots(status, view);
@@ -268,16 +275,17 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
   };
   if (chosen("feel", "touches the surface and leaves it as it is", !brush.sculpts)) brush.sculpts = false;
   for (const BrushTraits& each : kBrushes)
-    if (chosen(each.name, each.does, brush.sculpts && brush.kind == each.kind)) {
+    if (chosen(each.name, whatItDoes(each).c_str(), brush.sculpts && brush.kind == each.kind)) {
       brush.kind = each.kind;
       brush.sculpts = true;
     }
   if (brush.sculpts) {
     dragLength("size", brush.radius_mm, 0.1, sliderOf<BrushConfig>("radius_mm"), status);
-    help("radius of the brush; [ and ] change it");
+    help("radius of the brush; [ and ] change it, or F and a motion of the mouse");
     const bool isPush = brushHas(brush.kind, shared::kUsesPushRate);
     if (!isPush) drag("strength", brush.strength, 0.01f, sliderOf<BrushConfig>("strength"), "%.2f");
-    if (!isPush) help("fraction of the effect per tick; 0: none, 1: all");
+    if (!isPush) help("fraction of the effect per tick; 0: none, 1: all (Shift+F)");
+    drawSymmetry(brush.symmetry);
     if (brushHas(brush.kind, shared::kPaintsPoints)) {
       float color[3];
       for (std::size_t k = 0; k < 3; ++k) color[k] = static_cast<float>(brush.color[k]) / 255;
@@ -297,6 +305,21 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
     help("depth of the stylus below the surface from which the surface yields");
     ImGui::TreePop();
   }
+}
+
+void Panels::drawSymmetry(std::string& symmetry) {
+  constexpr std::array<std::string_view, 4> kAxes{"off", "x", "y", "z"};
+  std::size_t chosen = symmetry.empty() ? 0 : kAxes.size();
+  for (std::size_t k = 1; k < kAxes.size(); ++k)
+    if (symmetry == kAxes[k]) chosen = k;
+  const bool isPlane = chosen == kAxes.size();
+  std::vector<std::string_view> words(kAxes.begin(), kAxes.end());
+  if (isPlane) words.emplace_back("plane");
+  if (chooseWord("symmetry", words, chosen) && chosen < kAxes.size())
+    symmetry = chosen == 0 ? std::string() : std::string(kAxes[chosen]);
+  help(
+      "each edit is also made mirrored, at the plane through the middle of the model; for another plane: Select, "
+      "plane (D), Mirror here");
 }
 
 void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn) {

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/view/brush_in_hand.hpp"
 #include "apps/view/commands.hpp"
 #include "apps/view/file_browser.hpp"
 #include "apps/view/gui.hpp"
@@ -47,9 +48,10 @@ struct ViewStatus {
   std::optional<MemoryNeed> memoryQuestion;
   std::optional<LeftQuestion> leftQuestion;
   SelectionCounts selection;
-  DrawnOutline outline;              ///< that selects
-  DrawnVolume volume;                ///< that selects, or moves the selected points
-  bool stylus = false;               ///< the mouse holds the stylus
+  DrawnOutline outline;  ///< that selects
+  DrawnVolume volume;    ///< that selects, or moves the selected points
+  bool stylus = false;   ///< the mouse holds the stylus
+  BrushHint brush;
   const HeldDevice* held = nullptr;  ///< the device that the user holds
   std::string gpu;
   struct ScaleBar {
@@ -155,6 +157,8 @@ class Panels {
   void drawHistogram(const ColoredField& field, ColorConfig& color);
   void drawCounts(const SelectionCounts& counts);
   void drawOutline(const DrawnOutline& outline);
+  void drawBrushHint(const BrushHint& hint) const;
+  void drawSymmetry(std::string& symmetry);
   void drawVolume(const DrawnVolume& volume);
   void drawVolumeNumbers(const ViewStatus& status, SelectShape shape);
   bool chosenButton(const char* name, float width, bool isChosen);

@@ -194,6 +194,26 @@ void Panels::drawDistance(const ViewStatus& status, const ViewSettings& view) co
   list.AddText({x, y}, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
 }
 
+void Panels::drawBrushHint(const BrushHint& hint) const {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  std::vector<ImVec2> ring;
+  for (const DVec2& corner : hint.ring_px)
+    ring.emplace_back(static_cast<float>(corner.x), static_cast<float>(corner.y));
+  for (const auto& [color, thick] :
+       {std::pair{IM_COL32(0, 0, 0, 140), em(0.2)}, {IM_COL32(255, 190, 80, 255), em(0.08)}})
+    if (!ring.empty()) list.AddPolyline(ring.data(), static_cast<int>(ring.size()), color, ImDrawFlags_Closed, thick);
+  if (hint.words.empty()) return;
+  const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(hint.words.c_str());
+  const float padding = em(0.3), beside = em(1.4);
+  const float x = std::clamp(static_cast<float>(hint.place_px.x) + beside, padding,
+                             std::max(padding, display.x - size.x - padding));
+  const float y = std::clamp(static_cast<float>(hint.place_px.y) + beside, padding,
+                             std::max(padding, display.y - size.y - padding));
+  list.AddRectFilled({x - padding, y - padding}, {x + size.x + padding, y + size.y + padding},
+                     ImGui::GetColorU32(ImGuiCol_WindowBg), padding);
+  list.AddText({x, y}, ImGui::GetColorU32(ImGuiCol_Text), hint.words.c_str());
+}
+
 // A letter of the last button's name: its key.
 void Panels::underline(const char* name, std::size_t letter) {
   const char* const at = name + letter;

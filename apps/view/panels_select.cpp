@@ -107,6 +107,9 @@ void Panels::drawVolumeNumbers(const ViewStatus& status, SelectShape shape) {
   if (shape == SelectShape::plane) {
     ImGui::SameLine();
     post(button("Other side"), FlipPlane{});
+    ImGui::SameLine();
+    post(button("Mirror here"), MirrorAtPlane{});
+    help("brushes are mirrored at this plane from now on");
   }
   ImGui::EndDisabled();
 }

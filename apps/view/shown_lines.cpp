@@ -1,6 +1,7 @@
 #include "apps/view/shown_lines.hpp"
 
 #include "apps/cli/model_lines.hpp"
+#include "haptics/session/session_setup.hpp"
 
 namespace palpate {
 
@@ -9,6 +10,8 @@ namespace {
 constexpr std::array<std::uint8_t, 3> kWayColor{70, 205, 130}, kMeasureColor{255, 70, 190};
 constexpr double kMark = 0.02;  // half the width of the cross at a picked position, in longest sides
 constexpr double kMeasureWidth_px = 2.5;
+constexpr std::array<std::uint8_t, 3> kMirrorColor{255, 190, 80};
+constexpr double kMirror = 0.6;   // half the side of the square that shows the plane of symmetry, in longest sides
 constexpr double kStylus = 0.12;  // length of another hand's stylus, in longest sides
 constexpr double kBall = 0.012;   // half the size of the octahedron at its end, in longest sides
 constexpr double kStylusWidth_px = 3;
@@ -26,6 +29,19 @@ void addMeasure(std::vector<SpaceLine>& lines, std::span<const PickedPosition> p
       add(place - half, place + half);
     }
   if (picked.size() == 2) add(picked[0].place, picked[1].place);
+}
+
+// A square around the middle of the model, with its middle lines.
+void addMirror(std::vector<SpaceLine>& lines, const MirrorPlane& plane, const Model& model) {
+  const Bounds bounds = model.shownBounds();
+  const double half = kMirror * bounds.longestSide();
+  const DVec3 middle = bounds.center() - (glm::dot(plane.normal, bounds.center()) - plane.height) * plane.normal;
+  const Frame3 frame = frameAround(plane.normal);
+  const auto at = [&](double u, double v) { return middle + half * (u * frame.u + v * frame.v); };
+  for (const double side : {-1.0, 0.0, 1.0}) {
+    lines.push_back({.from = at(side, -1), .to = at(side, 1), .color = kMirrorColor});
+    lines.push_back({.from = at(-1, side), .to = at(1, side), .color = kMirrorColor});
+  }
 }
 
 // A stylus at the proxy on the surface, and an octahedron at the HIP.
@@ -88,6 +104,7 @@ void ShownLines::follow(const WindowSession& session, const ViewSettings& view, 
   MadeOf madeOf{.cameras = view.cameras,
                 .frame = played_ ? std::optional(played_->number) : std::nullopt,
                 .measure = measure.version(),
+                .symmetry = session.config().brush ? session.config().brush->symmetry : std::string(),
                 .others = {},
                 .onlookers = {}};
   for (const SeenHand& hand : others) madeOf.others.push_back(hand.place);
@@ -98,6 +115,9 @@ void ShownLines::follow(const WindowSession& session, const ViewSettings& view, 
   cameras_ = 0;
   addContainer(*lines, session.model());
   if (view.cameras) addCameras(session, *lines);
+  if (session.config().brush)
+    if (const auto plane = symmetryOf(*session.config().brush, session.model()))
+      addMirror(*lines, *plane, session.model());
   addMeasure(*lines, measure.picked(), session.longestSide());
   const DVec3 up = directionOf(view.upOf(session.model()));
   for (const SeenHand& hand : others) addHand(*lines, hand, session.model().cloud.origin, up, session.longestSide());

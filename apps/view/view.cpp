@@ -29,7 +29,8 @@ struct ViewCommandOptions {
   JoinOptionsGiven join;
   ScaleOptions scale;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
-              edit = "none", resolution = "128", device = "auto", axes, scheduler = "device", present = "auto";
+              edit = "none", resolution = "128", device = "auto", axes, scheduler = "device", present = "auto",
+              symmetry;
   bool hidesCamera = false, rumble = false, realtime = false, keepUnreliable = false;
   PrepareOptions prepare;
   double rate_Hz = 1000, undoMemory_MiB = 1024;
@@ -119,6 +120,7 @@ void view(Context& context, const ViewCommandOptions& options) {
     view.brush.kind = *kind;
     view.brush.sculpts = true;
   }
+  view.brush.symmetry = options.symmetry;
 
   hold(options, held);
   if (!realtime) view.session.live.clock = std::make_shared<SteppedClock>();
@@ -215,6 +217,7 @@ void addView(Options& app, Context& context, Command& command) {
       .describe("brush at the start, or none")
       .check(oneOf(choicesOf<BrushConfig>("kind", {"none"})))
       .showDefault();
+  addSettingFor<BrushConfig>(sub, options->symmetry, "symmetry");
   sub.add("--resolution", options->resolution,
           "cells of the mesh (M) along the longest side; coarse meshes update sooner on a slow GPU")
       .check(oneOf({"32", "64", "128", "256", "512"}))

@@ -115,11 +115,11 @@ bool Viewer::isFinishing() const {
 void Viewer::handle(const WindowEvent& event) {
   if (std::holds_alternative<ExposeEvent>(event)) screen_.forget();
   if (gui_.feed(event)) return;
-  if (const auto* key = std::get_if<KeyEvent>(&event)) {
-    const bool repeats = keyboard_.note(*key);
-    if (!gui_.wantsKeys() && !document_.asks() && !panels_.areFilesOpen())
-      carryOut(keyboard_.commandsOf(*key, repeats, settings_));
-  }
+  const auto* key = std::get_if<KeyEvent>(&event);
+  const bool repeats = key && keyboard_.note(*key);
+  if (dragBrush(event, repeats)) return;
+  if (key && !gui_.wantsKeys() && !document_.asks() && !panels_.areFilesOpen())
+    carryOut(keyboard_.commandsOf(*key, repeats, settings_));
   if (const auto* mouse = std::get_if<MouseEvent>(&event)) {
     pointing_.moveMouse(mouse->place_px, pointed());
     select_.moveTo(mouse->place_px);
@@ -228,7 +228,16 @@ void Viewer::await(const std::string& file) {
 }
 
 void Viewer::carryOut(const ViewCommands& commands) {
-  for (const ViewCommand& command : commands) messages_.tryTo([&] { carryOut(command); });
+  for (const ViewCommand& command : commands) {
+    bool isCancelled = false;
+    messages_.tryTo([&] {
+      if (const auto* brush = std::get_if<BrushCommand>(&command))
+        isCancelled = carryOut(*brush) && *brush == BrushCommand::cancelStroke;
+      else
+        carryOut(command);
+    });
+    if (isCancelled) return;
+  }
 }
 
 void Viewer::carryOut(const ViewCommand& command) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/view/brush_in_hand.hpp"
 #include "apps/view/brush_notes.hpp"
 #include "apps/view/document.hpp"
 #include "apps/view/event_queue.hpp"
@@ -61,6 +62,7 @@ class Viewer {
   void carryOut(const FileCommand& command);
   void carryOut(DeviceCommand command);
   void carryOut(SelectCommand command);
+  bool carryOut(BrushCommand command);
   void carryOut(const SelectWhere& command);
   void carryOut(const SetColorRange& command);
   void load();
@@ -76,6 +78,10 @@ class Viewer {
   void followTool();
   void press(MouseButton button);
   void applySettings();
+  bool isSculpting();
+  BrushSettings brushInHand();
+  BrushHint brushHint();
+  bool dragBrush(const WindowEvent& event, bool repeats);
   /// Returns whether a frame was shown: it would have differed from the last one.
   bool draw(double dt_s);
   /// How long to wait for events before the next frame.
@@ -112,6 +118,7 @@ class Viewer {
   double now_s_ = 0, polled_s_ = 0;  // of the event that is handled, or of the frame; of the last look for events
   Keyboard keyboard_;
   PointingDevices pointing_;
+  BrushInHand inHand_;
   SelectTool select_;
   CountedSelection selection_;
   std::string whereError_;  // of the last condition

@@ -15,7 +15,7 @@ void Viewer::applySettings() {
   messages_.tryTo([&] {
     const bool recorded = session->isRecording();
     // A held device cannot be put away: behind a question it feels, but does not sculpt.
-    BrushSettings brush = settings_.brush;
+    BrushSettings brush = brushInHand();
     if (document_.asks() && pointing_.isTouching()) brush.sculpts = false;
     session->setBrushSettings(brush);
     session->setFeel(settings_.feel);

@@ -20,6 +20,12 @@ void Viewer::carryOutVolume(const ViewCommand& command) {
   const auto* set = std::get_if<SetVolume>(&command);
   if (set) volume.set(shape, set->numbers, pointed());
   if (std::holds_alternative<FlipPlane>(command)) volume.flip();
+  if (std::holds_alternative<MirrorAtPlane>(command)) {
+    settings_.brush.symmetry = drawnVolume().numbers;
+    std::ranges::replace(settings_.brush.symmetry, ':', ',');
+    settings_.tool = WindowTool::sculpt;
+    messages_.say("brushes are mirrored at the plane; symmetry in Sculpt ends that");
+  }
   if (const auto* move = std::get_if<MoveSelection>(&command))
     messages_.say(moveSelection(*document_.session(), *move));
 }

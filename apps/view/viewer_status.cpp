@@ -102,6 +102,7 @@ ViewStatus Viewer::status() {
     status.outline = select_.drawn(settings_.select, pointed());
   status.volume = drawnVolume();
   status.stylus = pointing_.holdsStylus();
+  status.brush = brushHint();
   status.held = &held_;
   status.gpu = screen_.sight().name();
   status.meshTime_ms = shown_.mesh().time_ms();
@@ -124,6 +125,8 @@ DrawnVolume Viewer::drawnVolume() {
 void Viewer::writeState(const std::string& file) {
   const WindowState state{.document = document_,
                           .tool = settings_.tool,
+                          .brush = settings_.brush,
+                          .brushHint = brushHint(),
                           .select = settings_.select,
                           .selection = document_.shown() ? selection_.of(*document_.shown()) : SelectionCounts(),
                           .draws = select_.isDrawing(),

@@ -118,6 +118,20 @@ constexpr Reported<WindowState> kWindow[]{
      [](const WindowState& w) -> Value {
        return w.session() ? Json(toolOf(w.session()->brushSettings())) : Json(nullptr);
      }},
+    {"brush.radius_mm", "mm", "radius of the chosen brush",
+     [](const WindowState& w) -> Value { return w.brush.radius_mm; }},
+    {"brush.strength", "", "its strength", [](const WindowState& w) -> Value { return w.brush.strength; }},
+    {"brush.push_rate", "", "its push rate", [](const WindowState& w) -> Value { return w.brush.pushRate; }},
+    {"brush.symmetry", "", "the plane at which it is mirrored, as in --symmetry; empty: it is not",
+     [](const WindowState& w) -> Value { return w.brush.symmetry; }},
+    {"brush.words", "", "what keys or a drag make of it, as shown at the cursor; empty: nothing",
+     [](const WindowState& w) -> Value { return w.brushHint.words; }},
+    {"brush.ring", "px", "corners of its ring on the surface under the cursor; empty: it is not shown",
+     [](const WindowState& w) -> Value {
+       Json corners = Json::array();
+       for (const DVec2& corner : w.brushHint.ring_px) corners.push_back({corner.x, corner.y});
+       return corners;
+     }},
     {"mouse", "", "what the mouse does: sculpting, selecting or looking",
      [](const WindowState& w) -> Value { return nameOf(kWindowTools, w.tool); }},
     {"selection.shape", "", "how it selects",

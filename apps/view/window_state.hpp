@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "apps/cli/results.hpp"
+#include "apps/view/brush_in_hand.hpp"
 #include "apps/view/document.hpp"
 #include "apps/view/held_device.hpp"
 #include "apps/view/messages.hpp"
@@ -18,6 +19,8 @@ namespace palpate {
 struct WindowState {
   const Document& document;
   WindowTool tool = WindowTool::sculpt;
+  const BrushSettings& brush;
+  BrushHint brushHint;
   const SelectSettings& select;
   SelectionCounts selection;
   bool draws = false;  ///< an outline that selects, or a volume

@@ -2,10 +2,22 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
+#include "engine/core/vec.hpp"
 #include "shaders/shared/brush_traits.h"
 
 namespace palpate {
+
+/// The positions x with dot(normal, x) = height, relative to the cloud's origin, model units.
+struct MirrorPlane {
+  DVec3 normal{1, 0, 0};  ///< unit
+  double height = 0;
+
+  DVec3 image(const DVec3& position) const { return position - 2 * (glm::dot(normal, position) - height) * normal; }
+  DVec3 imageOfDirection(const DVec3& way) const { return way - 2 * glm::dot(normal, way) * normal; }
+  bool operator==(const MirrorPlane&) const = default;
+};
 
 /// A brush and its settings. Every brush acts only while the HIP is deeper than `yieldDepth` behind the proxy and does
 /// not withdraw. Its tool is fixed to the hand and perpendicular to the surface as the stroke found it (BrushStroke).
@@ -29,6 +41,8 @@ struct BrushOptions {
   std::uint32_t falloff = 1;
   std::array<std::uint8_t, 4> color{255, 0, 0, 255};  ///< paint: RGBA, 0 to 255
   bool resample = true;  ///< points are inserted where the surface is stretched and merged where it is crowded
+  /// Each edit is also made by the mirror image of the tool (MirroredStroke); empty: by the hand's tool alone.
+  std::optional<MirrorPlane> symmetry;
 
   bool operator==(const BrushOptions&) const = default;
 };

@@ -81,6 +81,11 @@ void BrushStroke::end() {
   wayCount_ = 0;
 }
 
+void BrushStroke::awaitRelease() {
+  end();
+  awaitsRelease_ = true;
+}
+
 void BrushStroke::restart() {
   BrushStroke fresh(support_);
   fresh.brush_ = brush_;
@@ -97,7 +102,9 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   const DVec3 motion = knowsLast_ ? hip - lastHip_ : DVec3(0);
   knowsLast_ = true;
   lastHip_ = hip;
-  const bool sculpts = press != Press::none, touches = contact.touching && sculpts;
+  const bool isReleased = press == Press::none || (press == Press::contact && !contact.touching);
+  awaitsRelease_ = awaitsRelease_ && !isReleased;
+  const bool sculpts = press != Press::none && !awaitsRelease_, touches = contact.touching && sculpts;
   const bool yields = touches && glm::length(spring) > brush_.yieldDepth;
   // A contact that ends while the hand is still behind the surface has not been lifted from its side.
   const bool fellThrough = yielded_ && !touches && glm::dot(hip - side_.found, side_.outward) < 0;

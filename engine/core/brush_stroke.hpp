@@ -62,6 +62,8 @@ class BrushStroke {
   bool hasWay() const { return wayCount_ > 0; }
   /// Ends the stroke: the remaining path is dropped.
   void end();
+  /// Ends the stroke, and begins none before the hand has left the surface, or has released its button.
+  void awaitRelease();
   /// Forgets the hand and all strokes, except for their number.
   void restart();
   /// The hand is put down elsewhere: the tool skips the path in between. The remaining path before it is still
@@ -113,7 +115,8 @@ class BrushStroke {
   BrushOptions brush_;
   std::uint32_t number_ = 0;
   bool open_ = false, acts_ = false, knowsLast_ = false, touched_ = false, isLifted_ = false;
-  bool yielded_ = false;       // the surface yielded at the last answer
+  bool yielded_ = false;  // the surface yielded at the last answer
+  bool awaitsRelease_ = false;
   bool brokeThrough_ = false;  // the hand is at another side of the model than the stroke
   double lastTouch_s_ = 0, lastEdit_s_ = 0;
   bool edited_ = false;          // whether this stroke has edited

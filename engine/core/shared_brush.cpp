@@ -57,7 +57,10 @@ shared::BrushTool sharedTool(const BrushStroke::Tool& tool) {
           .cell = static_cast<float>(tool.cell),
           .touched = Vec3(tool.touched),
           .entersFrom = Vec3(tool.entersFrom),
-          .connectedFrom = Vec3(tool.connectedFrom)};
+          .connectedFrom = Vec3(tool.connectedFrom),
+          .ownSide = Vec3(tool.ownSide),
+          .ownFrom = static_cast<float>(tool.ownFrom),
+          .isImage = tool.isImage};
 }
 
 shared::PlacedTool placedTool(const BrushStroke::Tool& tool) {

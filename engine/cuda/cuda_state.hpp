@@ -2,7 +2,7 @@
 
 #include <exception>
 
-#include "engine/core/brush_stroke.hpp"
+#include "engine/core/mirrored_stroke.hpp"
 #include "engine/cuda/cuda_touch.hpp"
 #include "engine/cuda/live_copy.hpp"
 #include "engine/cuda/push_edit.hpp"
@@ -48,7 +48,7 @@ class CudaTouch::State {
   DVec3 origin_;
   cu::Stream stream_;
   cu::LiveCopy live_;
-  BrushStroke stroke_;
+  MirroredStroke stroke_;
   SurfaceMeasure measured_;  // sum over all edits so far
   cu::CubBuild build_;
   cu::StepBuffers buffers_;

@@ -296,6 +296,13 @@ bool History::redo(const Carriers& carriers) {
   return list_.redo([&](HistoryChange& change) { return carryOut(change, carriers); });
 }
 
+bool History::takeBack(const Carriers& carriers) {
+  if (!undo(carriers)) return false;
+  list_.begin();  // discards it
+  --strokes_;
+  return true;
+}
+
 StrokeCounts History::counts() const {
   return {.strokes = strokes_,
           .dropped = list_.dropped(),

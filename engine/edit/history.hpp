@@ -87,6 +87,8 @@ class History {
   bool undo(const Carriers& carriers);
   /// The same for the change undone last.
   bool redo(const Carriers& carriers);
+  /// The same as undo() of a stroke, which then was never made: it cannot be redone, nor is it counted.
+  bool takeBack(const Carriers& carriers);
 
   StrokeCounts counts() const;
   /// Identifies the state of the points, the shape and the fields, which a file can have: undo and redo restore the

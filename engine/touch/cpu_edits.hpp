@@ -8,6 +8,7 @@
 #include "engine/core/background_task.hpp"
 #include "engine/core/contact_query.hpp"
 #include "engine/core/edit_queue.hpp"
+#include "engine/core/mirrored_stroke.hpp"
 #include "engine/core/offered_changes.hpp"
 #include "engine/edit/cpu_sculpture.hpp"
 #include "engine/touch/blocked_count.hpp"
@@ -38,6 +39,8 @@ class CpuEdits {
   void feel(const Contact& contact, const Pose& pose);
   /// The hand was repositioned.
   void lift() { stroke_.lift(); }
+  /// As TouchBackend::awaitRelease().
+  void awaitRelease() { stroke_.awaitRelease(); }
   /// As if the hand had not sculpted before. After finish().
   void restart() { stroke_.restart(); }
   /// Begins an edit if the stroke acts or the last edit left work. True: it has begun.
@@ -103,7 +106,7 @@ class CpuEdits {
   CpuSculpture& sculpture_;
   std::optional<BrushOptions> brush_;
   Setting setting_;
-  BrushStroke stroke_;
+  MirroredStroke stroke_;
   Work work_;
   bool isUnderWay_ = false, isBegun_ = false, inStroke_ = false;
   std::uint64_t version_ = 0;

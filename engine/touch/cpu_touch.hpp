@@ -60,6 +60,7 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   FrameStream* frames() noexcept override { return frames_ ? &*frames_ : nullptr; }
   /// Density is kept if the first brush kept it.
   void setBrush(const std::optional<BrushOptions>& brush) override;
+  void awaitRelease() override { edits_.awaitRelease(); }
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
   std::vector<ProxyTracker::State> contacts() const override;
   void restoreContacts(std::span<const ProxyTracker::State> states) override;

@@ -10,6 +10,7 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/contact_query.hpp"
 #include "engine/core/index_options.hpp"
+#include "engine/core/mirrored_stroke.hpp"
 #include "engine/core/offered_changes.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/edit/edit_pass.hpp"
@@ -51,6 +52,8 @@ class EditPipeline {
   void feel(const Contact& contact, const Pose& pose, const DVec3& origin);
   /// The hand was repositioned.
   void lift() { stroke_.lift(); }
+  /// As TouchBackend::awaitRelease().
+  void awaitRelease() { stroke_.awaitRelease(); }
   /// As if the hand had not sculpted before. After finish().
   void restart() { stroke_.restart(); }
   /// Submits an edit if the stroke acts or the last edit left work, and nothing prevents it. In virtual time the edit
@@ -138,7 +141,7 @@ class EditPipeline {
   EditLog& log_;
   TouchStatistics& statistics_;
   EditPass pass_;
-  BrushStroke stroke_;
+  MirroredStroke stroke_;
   SurfaceMeasure measured_;  // sum over all edits so far
   BlockedCount blocked_;
   std::array<Lists, 2> lists_;

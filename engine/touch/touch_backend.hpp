@@ -133,6 +133,9 @@ class TouchBackend : public ContactQuery {
   /// Replaces the brush of the first hand, or removes it; ends the stroke in progress. Throws UsageError if
   /// unsupported.
   virtual void setBrush(const std::optional<BrushOptions>& brush);
+  /// From now on the first hand changes no points before it has left the surface, or has released its button. After
+  /// finish(). No effect where a stroke is not of this program.
+  virtual void awaitRelease() {}
 
   /// State of the contact of each probe, hand by hand, the HIP first; empty where contacts cannot be restored.
   virtual std::vector<ProxyTracker::State> contacts() const { return {}; }
@@ -177,6 +180,7 @@ class TouchDecorator : public TouchBackend {
     inner_->setContact(surface, friction, method);
   }
   void setBrush(const std::optional<BrushOptions>& brush) override { inner_->setBrush(brush); }
+  void awaitRelease() override { inner_->awaitRelease(); }
   std::vector<ProxyTracker::State> contacts() const override { return inner_->contacts(); }
   void restoreContacts(std::span<const ProxyTracker::State> states) override { inner_->restoreContacts(states); }
   EditStream* edits() noexcept override { return inner_->edits(); }

@@ -62,6 +62,9 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   FrameStream* frames() noexcept override { return frames_.move() ? &frames_ : nullptr; }
   GpuPoints* gpuPoints() noexcept override { return this; }
   void setBrush(const std::optional<BrushOptions>& brush) override;
+  void awaitRelease() override {
+    if (edits_) edits_->awaitRelease();
+  }
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
   std::vector<ProxyTracker::State> contacts() const override;
   void restoreContacts(std::span<const ProxyTracker::State> states) override;

@@ -144,6 +144,7 @@ DeviceState GuidedTouch::readStroke() noexcept {
 }
 
 DeviceState GuidedTouch::read(double time_s) noexcept {
+  if (givesUp_.exchange(false)) dropStroke();
   if (pose_ || strokes_.next()) return readStroke();
   const Aim aim = latest_.load().value_or(last_);
   const bool moved = std::exchange(wasDrawn_, false) || aim.putDowns != last_.putDowns || aim.lifted != last_.lifted;

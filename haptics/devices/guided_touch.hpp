@@ -45,6 +45,8 @@ class GuidedTouch final : public HapticDevice {
   bool isDrawing() const noexcept { return strokes_.pending() > 0; }
   /// Drops the stroke, while no thread reads.
   void dropStroke() noexcept;
+  /// Drops it at the next tick. No pose is drawn before that.
+  void giveUpStroke() noexcept { givesUp_ = true; }
 
   std::string_view name() const override { return "guided stylus"; }
   DeviceLimits limits() const override;
@@ -69,6 +71,7 @@ class GuidedTouch final : public HapticDevice {
   bool isLost(const DrawnPose& pose, int ticks) noexcept;
   DVec3 placeOf(const DrawnPose& pose) const noexcept;
 
+  std::atomic<bool> givesUp_ = false;
   WorkspaceMap map_;
   GuidedOptions options_;
   DrawnStrokes strokes_;

@@ -313,6 +313,18 @@ std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   return strokes.undone + strokes.redone;
 }
 
+// settle() would end the stroke before the session knows that it is in progress.
+bool OpenSession::cancelStroke() {
+  const OneCall call(since_);
+  session_->checkPulling();
+  session_->require(Action::undo, "cancel");
+  if (session_.hasFailed() || !session_->history()) return false;
+  const bool isCancelled = session_->cancelStroke();
+  settleForCommand();
+  if (joined_ && !isLive()) session_->settleShared(timeLeft_s());
+  return isCancelled;
+}
+
 PointCloud OpenSession::points() {
   if (isLive()) return session_->between([&] { return views_.points(*session_, frameIfMoving().get()); });
   const auto hasFailed = [&] {

@@ -60,6 +60,7 @@ class OpenSession {
   void setBrush(const std::optional<BrushConfig>& brush);
   void setContact(const SurfaceConfig& surface, const ForceOptions& force);
   std::size_t undo(std::size_t strokes) { return goBack(strokes, 0); }
+  bool cancelStroke();
   std::size_t redo(std::size_t strokes) { return goBack(0, strokes); }
   /// Sets a mask, and copies one: a byte for each present point, in the order of points(). Throws UsageError,
   /// StateError.

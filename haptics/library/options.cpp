@@ -157,6 +157,7 @@ ForceOptions forceFrom(const pp_contact_options& contact) {
 BrushConfig brushFrom(const pp_brush& given) {
   BrushConfig brush{.kind = chosen(kBrushKinds, given.kind, BrushKind::push, "brush.kind")};
   fromFields(kBrushFields, given, brush);
+  if (given.symmetry) brush.symmetry = given.symmetry;
   return brush;
 }
 

@@ -209,6 +209,15 @@ pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done) 
   });
 }
 
+pp_status pp_session_cancel_stroke(pp_session session, uint32_t* cancelled) {
+  clear(cancelled);
+  return commanding(session, [&](OpenSession& open) {
+    const bool isCancelled = open.cancelStroke();
+    if (cancelled) *cancelled = isCancelled;
+    open.requireDelivered("this cancelled stroke");
+  });
+}
+
 pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done) {
   clear(done);
   return commanding(session, [&](OpenSession& open) {

@@ -52,6 +52,7 @@ constexpr Refusal kRefusals[] = {
     {ModelKind::soft, Action::paint, "a soft body cannot be painted; paint its model first"},
     {ModelKind::soft, Action::move, "a simulated scene moves already"},
     {ModelKind::soft, Action::select, "points of a soft body cannot be selected"},
+    {ModelKind::soft, Action::mirror, "a soft body moves, so that no plane of symmetry stays in its middle"},
     {ModelKind::shared, Action::insertPoints, "points cannot be inserted where several hands sculpt"},
     {ModelKind::shared, Action::move, kPlaced},
     {ModelKind::shared, Action::field, kOwnFields},
@@ -60,6 +61,7 @@ constexpr Refusal kRefusals[] = {
     {ModelKind::readOnly, Action::move, kPlaced},
     {ModelKind::readOnly, Action::field, kOwnFields},
     {ModelKind::partial, Action::insertPoints, "points cannot be inserted where several hands sculpt"},
+    {ModelKind::partial, Action::mirror, kOnlyPartial},
     {ModelKind::partial, Action::move, kPlaced},
     {ModelKind::partial, Action::record, kOnlyPartial},
     {ModelKind::partial, Action::select, kOnlyPartial},
@@ -77,7 +79,7 @@ constexpr Refusal kRefusals[] = {
 
 // What a model that refuses the action refuses for the same reason.
 std::vector<Action> alsoRefused(Action action) {
-  if (action == Action::sculpt) return {Action::carve, Action::paint, Action::insertPoints};
+  if (action == Action::sculpt) return {Action::carve, Action::paint, Action::insertPoints, Action::mirror};
   if (action == Action::move) return {Action::place};
   if (action == Action::select) return {Action::field};
   return {};
@@ -133,6 +135,7 @@ void checkAbilities(const SessionConfig& config) {
   if (config.motion) require(Action::move, "motion.kind");
   if (config.brush) require(actionOf(config.brush->kind), "brush.kind");
   if (config.brush && config.brush->resample) require(Action::insertPoints, "brush.resample");
+  if (config.brush && !config.brush->symmetry.empty()) require(Action::mirror, "brush.symmetry");
   if (config.undo.undo > 0) require(Action::undo, "undo.undo");
 }
 

@@ -44,8 +44,9 @@ enum class Action {
   select,  ///< set a mask of points: selected, hidden, locked or within
   field,   ///< set numbers of points
   place,   ///< give the model another pose among others
+  mirror,  ///< sculpt with symmetry
 };
-inline constexpr std::size_t kActions = static_cast<std::size_t>(Action::place) + 1;  // the last
+inline constexpr std::size_t kActions = static_cast<std::size_t>(Action::mirror) + 1;  // the last
 
 /// The action that a brush requires: carve and paint for themselves, Action::sculpt for all others.
 Action actionOf(BrushKind kind);

@@ -203,30 +203,41 @@ void EditRelay::followAgain(const EditBatch& edits) {
   changed_.attributes = attributes_.all();
 }
 
+History::Carriers EditRelay::carriers(const EditMark::Kind& kind) {
+  return {.points =
+              [this](std::span<const PointChange> changes) {
+                edits_->change(changes);
+                return true;
+              },
+          .presence =
+              [this](const PointSet& points) {
+                carryPresence(points);
+                return true;
+              },
+          .shape =
+              [this](ShapeStroke& stroke) {
+                shape_->exchange(stroke);
+                return true;
+              },
+          .attributes =
+              [this, &kind](AttributeChange& change) {
+                exchange(change, kind);
+                return true;
+              }};
+}
+
+bool EditRelay::takeBack() {
+  const EditMark::Kind kind = EditMark::Kind::undone;
+  const bool isDone = history_ && history_->takeBack(carriers(kind));
+  if (isDone) catchUp();
+  return isDone;
+}
+
 UndoneStrokes EditRelay::undo(std::size_t undo, std::size_t redo) {
   UndoneStrokes done;
   if (!history_) return done;
   EditMark::Kind kind = EditMark::Kind::undone;
-  const History::Carriers carriers{.points =
-                                       [&](std::span<const PointChange> changes) {
-                                         edits_->change(changes);
-                                         return true;
-                                       },
-                                   .presence =
-                                       [&](const PointSet& points) {
-                                         carryPresence(points);
-                                         return true;
-                                       },
-                                   .shape =
-                                       [&](ShapeStroke& stroke) {
-                                         shape_->exchange(stroke);
-                                         return true;
-                                       },
-                                   .attributes =
-                                       [&](AttributeChange& change) {
-                                         exchange(change, kind);
-                                         return true;
-                                       }};
+  const History::Carriers carriers = this->carriers(kind);
   for (; done.undone < undo && history_->undo(carriers); ++done.undone) catchUp();
   kind = EditMark::Kind::redone;
   for (; done.redone < redo && history_->redo(carriers); ++done.redone) catchUp();

@@ -78,6 +78,8 @@ class EditRelay {
   /// Undoes up to `undo` changes and redoes up to `redo` of them, between strokes, once all edits were taken. If one
   /// fails, the history stays as after the last one that did not.
   UndoneStrokes undo(std::size_t undo, std::size_t redo);
+  /// The last stroke as if it had never been made (History::takeBack()); otherwise as undo().
+  bool takeBack();
   /// Throws the failure of a follower; call it once everything else is saved.
   void checkFollower() const;
 
@@ -87,6 +89,8 @@ class EditRelay {
   void exchange(AttributeChange& change, EditMark::Kind kind, bool inBackEnd = true);
   void applyMask(MaskRole role);
   void carryPresence(const PointSet& points);
+  // `kind`: of the marks; read while the carriers are used.
+  History::Carriers carriers(const EditMark::Kind& kind);
   void markStroke();
   // Whether an edit log of bounded size may soon have no room for another edit.
   bool isNearlyFull() const;

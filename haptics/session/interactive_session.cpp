@@ -209,6 +209,16 @@ void InteractiveSession::dropStroke() {
   stylus_.dropStroke();
 }
 
+bool InteractiveSession::cancelStroke() {
+  if (failed_ || playing_) return false;
+  const bool isDrawn = isDrawing();
+  stroke_.reset();
+  const auto rest = [this] { stylus_.giveUpStroke(); };
+  if (session_.abilities().allow(Action::undo)) return session_.cancelStroke(rest) || isDrawn;
+  rest();
+  return isDrawn;
+}
+
 void InteractiveSession::setDevice(std::shared_ptr<TurnedDevice> device, const HapticDeviceFacts& facts) {
   if (failed_ && !hasLostDevice()) return;
   const auto change = [&] {

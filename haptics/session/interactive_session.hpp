@@ -123,6 +123,9 @@ class InteractiveSession {
   }
   /// Throws Error also after a failure.
   std::uint32_t fieldNamed(std::string_view name, ScalarType type = ScalarType::f32);
+  /// Takes back the stroke of the pointer or of the device that is in progress, exactly (Session::cancelStroke()), and
+  /// drops what the pointer has drawn. False where none is.
+  bool cancelStroke();
   /// False where there is nothing to undo, or to redo.
   bool undo() { return undoStrokes(1, 0); }
   bool redo() { return session_.strokes().redoCount > 0 && undoStrokes(0, 1); }

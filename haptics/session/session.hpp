@@ -244,6 +244,11 @@ class Session {
   /// of masks and fields, in the order in which they were made. Throws if the back end fails; the history then matches
   /// the points.
   UndoneStrokes undo(std::size_t strokes, std::size_t redo);
+  /// Takes the stroke in progress back, to the bit, as if it had never been made: it cannot be redone, and the hand
+  /// makes no other before it has left the surface, or has released its button. False where none is in progress.
+  /// `rest`: called while the loop works with the planes felt last, also if there is none. Throws as undo(), and Error
+  /// for a stroke larger than the memory for undo, which stays.
+  bool cancelStroke(const std::function<void()>& rest = {});
   /// Strokes of the points, or of that shape; zeros without a history.
   StrokeCounts strokes() const;
   /// The present points: from the history, if there is one and nothing moves, else from the back end, between ticks.

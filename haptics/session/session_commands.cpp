@@ -48,8 +48,7 @@ void Session::setBrush(const std::optional<BrushConfig>& brush) {
   SessionConfig next = config_;
   next.brush = brush;
   next = checked(std::move(next), kind_);
-  std::optional<BrushOptions> options;
-  if (brush) options = brushOptions(*brush, model().scale);
+  const std::optional<BrushOptions> options = brushOf(brush, model());
   between([&] {
     std::string text = textFor(next);
     backend_->setBrush(options);
@@ -111,6 +110,28 @@ UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
     if (done.undone > 0) channel_.note(LoggedCommand::Kind::undo, std::to_string(done.undone));
     if (done.redone > 0) channel_.note(LoggedCommand::Kind::redo, std::to_string(done.redone));
     return done;
+  });
+}
+
+// A stroke that has ended before the edits are taken in is not in progress; one that ends with the loan is.
+bool Session::cancelStroke(const std::function<void()>& rest) {
+  require(Action::undo, "cancel");
+  if (!history()) throw Error("a session without a history has no stroke to cancel");
+  relay_.catchUp();
+  const std::uint64_t before = history()->counts().strokes;
+  return between([&] {
+    if (rest) rest();
+    if (!live_ || !live_->isStarted()) {
+      backend_->finish();
+      relay_.catchUp();
+    }
+    const StrokeCounts counts = history()->counts();
+    if (counts.strokes == before) return false;
+    backend_->awaitRelease();
+    if (counts.undoCount == 0 || !relay_.takeBack())
+      throw Error("the stroke is larger than the memory for undo, and stays");
+    channel_.note(LoggedCommand::Kind::cancel, {});
+    return true;
   });
 }
 
@@ -312,6 +333,9 @@ void Session::repeat(const LoggedCommand& command) {
       return;
     case Kind::redo:
       undo(0, countIn(command.content));
+      return;
+    case Kind::cancel:
+      cancelStroke();
       return;
     case Kind::brush:
       return setBrush(parseConfig(command.content).brush);

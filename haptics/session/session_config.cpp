@@ -1,6 +1,8 @@
 #include "haptics/session/session_config.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 
 #include "haptics/devices/device_axes.hpp"
@@ -58,6 +60,33 @@ void validatePrepared(const ModelConfig& model) {
 
 }  // namespace
 
+SymmetryPlane symmetryPlane(std::string_view text, const DVec3& middle) {
+  constexpr std::string_view kAxes = "xyz", kPath = "brush.symmetry";
+  SymmetryPlane plane{.place = middle};
+  if (const std::size_t axis = kAxes.find(text); text.size() == 1 && axis != std::string_view::npos) {
+    plane.normal = DVec3(0);
+    plane.normal[static_cast<int>(axis)] = 1;
+    return plane;
+  }
+  std::array<double, 6> numbers{};
+  std::size_t count = 0;
+  for (std::size_t begin = 0; begin <= text.size() && count <= numbers.size(); ++count) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    if (count < numbers.size()) {
+      const auto [last, error] = std::from_chars(text.data() + begin, text.data() + end, numbers[count]);
+      if (error != std::errc() || last != text.data() + end || !std::isfinite(numbers[count])) break;
+    }
+    begin = end + 1;
+  }
+  if (count != numbers.size())
+    throw ConfigError(kPath, "is '{}'; it is x, y or z, or a position on the plane and its normal: PX,PY,PZ,NX,NY,NZ",
+                      text);
+  plane = {.place = {numbers[0], numbers[1], numbers[2]}, .normal = {numbers[3], numbers[4], numbers[5]}};
+  requireDirection(kPath, plane.normal);
+  plane.normal = glm::normalize(plane.normal);
+  return plane;
+}
+
 void validate(const Preparation& preparation) { BoundsCheck()("prepare", preparation); }
 
 void validate(const SessionConfig& config) {
@@ -74,6 +103,7 @@ void validate(const SessionConfig& config) {
   requireDirection("tool.axis", config.tool.axis);
   if (config.motion) requireDirection("motion.axis", config.motion->axis);
   checkAbilities(config);
+  if (config.brush && !config.brush->symmetry.empty()) symmetryPlane(config.brush->symmetry, DVec3(0));
   if (config.model.stream) validate(*config.model.stream, config);
   if (config.model.join) validateJoined(config);
   if (config.model.join && (config.model.stream || config.model.matter))

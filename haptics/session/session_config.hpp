@@ -118,6 +118,7 @@ struct BrushConfig {
   std::uint32_t falloff = 1;
   std::array<std::uint8_t, 3> color{255, 0, 0};
   bool resample = true;
+  std::string symmetry;  ///< "x", "y", "z" or "PX,PY,PZ,NX,NY,NZ" (symmetryPlane()); empty: none
 
   bool operator==(const BrushConfig&) const = default;
 };
@@ -189,7 +190,13 @@ struct SessionConfig {
 void validate(const SessionConfig& config);
 void validate(const Preparation& preparation);
 
-/// The brush and the tool in model units.
+/// A plane of symmetry as text: an axis means the plane across it through `middle`; otherwise a position and a normal
+/// of any length, six numbers in file coordinates. Both results are in file coordinates. Throws ConfigError.
+struct SymmetryPlane {
+  DVec3 place{0}, normal{1, 0, 0};
+};
+SymmetryPlane symmetryPlane(std::string_view text, const DVec3& middle);
+/// The brush, without its symmetry, and the tool in model units.
 BrushOptions brushOptions(const BrushConfig& brush, const ModelScale& scale);
 /// Without points for a tool of one point. Throws UsageError for an invalid tool.
 ToolShape toolShape(const ToolConfig& tool, const ModelScale& scale);

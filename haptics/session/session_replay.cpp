@@ -62,7 +62,7 @@ class CommandsAgain {
   }
   static bool isWithoutLoop(const LoggedCommand& command) {
     using Kind = LoggedCommand::Kind;
-    constexpr std::array kKinds{Kind::begin, Kind::attribute, Kind::points, Kind::undo, Kind::redo};
+    constexpr std::array kKinds{Kind::begin, Kind::attribute, Kind::points, Kind::undo, Kind::redo, Kind::cancel};
     return std::ranges::count(kKinds, command.kind) > 0;
   }
   // In a damaged log a change may be missing, or not fit without one that is.
@@ -115,7 +115,8 @@ class Beginning {
 // Memory for strokes that a command undoes.
 std::uint64_t undoOf(const SessionRecord& record) {
   const bool undoes = std::ranges::any_of(record.commands, [](const LoggedCommand& command) {
-    return command.kind == LoggedCommand::Kind::undo || command.kind == LoggedCommand::Kind::redo;
+    using Kind = LoggedCommand::Kind;
+    return command.kind == Kind::undo || command.kind == Kind::redo || command.kind == Kind::cancel;
   });
   UndoConfig undo;
   undo.undo = undoes;

@@ -7,9 +7,19 @@
 
 namespace palpate {
 
-std::optional<BrushOptions> brushOf(const SessionConfig& config, const Model& model) {
-  if (!config.brush) return std::nullopt;
-  return brushOptions(*config.brush, model.scale);
+std::optional<MirrorPlane> symmetryOf(const BrushConfig& brush, const Model& model) {
+  if (brush.symmetry.empty()) return std::nullopt;
+  const DVec3& origin = model.cloud.origin;
+  const bool isAxis = brush.symmetry.size() == 1;
+  const SymmetryPlane plane = symmetryPlane(brush.symmetry, isAxis ? origin + model.shownBounds().center() : DVec3(0));
+  return MirrorPlane{.normal = plane.normal, .height = glm::dot(plane.normal, plane.place - origin)};
+}
+
+std::optional<BrushOptions> brushOf(const std::optional<BrushConfig>& brush, const Model& model) {
+  if (!brush) return std::nullopt;
+  BrushOptions options = brushOptions(*brush, model.scale);
+  options.symmetry = symmetryOf(*brush, model);
+  return options;
 }
 
 std::vector<ToolShape> toolsOf(const SessionConfig& config, const Model& model) {
@@ -41,7 +51,7 @@ MadeBackend makeBackend(const BackendSetup& setup) {
     FarTouch* const same = touch.get();
     return {.touch = std::move(touch), .far = same};
   }
-  std::optional<BrushOptions> brush = brushOf(config, model);
+  std::optional<BrushOptions> brush = brushOf(config.brush, model);
   const bool isShared = static_cast<bool>(model.share());
   // Edits of others require editable points, even if this hand has no brush.
   if (isShared && !brush) brush = brushOptions({.resample = false}, model.scale);

@@ -17,8 +17,11 @@ SessionConfig checked(SessionConfig config, const BackendKind& kind);
 /// Why the model cannot be sculpted, with its name; empty: it can.
 std::string fixedBecause(const SessionConfig& config, const Model& model);
 
-/// The configured brush of the first hand, model units.
-std::optional<BrushOptions> brushOf(const SessionConfig& config, const Model& model);
+/// The plane at which a brush is mirrored, relative to the cloud's origin; empty: it is not. An axis means the plane
+/// through the middle of Model::shownBounds(), which iterates over all points.
+std::optional<MirrorPlane> symmetryOf(const BrushConfig& brush, const Model& model);
+/// A brush in model units.
+std::optional<BrushOptions> brushOf(const std::optional<BrushConfig>& brush, const Model& model);
 /// The tool of each hand, model units. Only the first one has the configured tool.
 std::vector<ToolShape> toolsOf(const SessionConfig& config, const Model& model);
 

@@ -175,6 +175,9 @@ constexpr Setting<BrushConfig> kBrush[]{
      {},
      {},
      true},
+    {"symmetry", &BrushConfig::symmetry, "--symmetry",
+     "also make each edit mirrored: x, y or z, at the plane across that axis through the middle of the model, or a "
+     "position on the plane and its normal, PX,PY,PZ,NX,NY,NZ in file coordinates (default: not mirrored)"},
 };
 
 constexpr Setting<ForceOptions> kForce[]{

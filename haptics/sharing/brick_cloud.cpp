@@ -30,7 +30,7 @@ std::unique_ptr<FarTouch> feelSurface(BrickSource& source, const BackendSetup& s
                                                         .widening = surface.widening,
                                                         .tool = reach,
                                                         .origin = model.cloud.origin,
-                                                        .brush = brushOf(config, model),
+                                                        .brush = brushOf(config.brush, model),
                                                         .fixed = fixedBecause(config, model)});
 }
 

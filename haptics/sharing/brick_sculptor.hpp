@@ -32,6 +32,7 @@ class BrickSculptor {
   void editIfYielding(const Contact& contact, const Pose& pose, double felt_s, bool realtime);
   /// The hand was repositioned.
   void lift() { stroke_.lift(); }
+  void awaitRelease() { stroke_.awaitRelease(); }
   /// The hand has stopped: completes the remaining path of the stroke and ends it. Throws the error of a failed edit.
   void finish();
 

@@ -49,6 +49,7 @@ class BrickTouch final : public FarTouch, public EditStream {
   std::size_t readBack(PointCloud& cloud) const override;
   /// Throws UsageError if the points cannot be sculpted.
   void setBrush(const std::optional<BrushOptions>& brush) override;
+  void awaitRelease() override { sculptor_.awaitRelease(); }
   EditStream* edits() noexcept override { return options_.fixed.empty() && !source_.moves() ? this : nullptr; }
   BackendReport report() const override;
 

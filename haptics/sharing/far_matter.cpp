@@ -172,7 +172,7 @@ std::unique_ptr<FarTouch> feelMatter(BrickSource& source, const InformationAge& 
                                       BrickTouchOptions{.radius = support,
                                                         .tool = scene.tool.radius_mm,
                                                         .origin = model.cloud.origin,
-                                                        .brush = brushOf(config, model),
+                                                        .brush = brushOf(config.brush, model),
                                                         .fixed = fixedBecause(config, model)});
 }
 

@@ -78,16 +78,21 @@ PALPATE_STRUCT(BrushTool) {
   PALPATE_VEC3 touched;  // the proxy; grab: the surface where it took hold
   PALPATE_VEC3 entersFrom;
   PALPATE_VEC3 connectedFrom;
+  // With symmetry, the plane, with its unit normal to the side on which this tool acts; else zero. Positions with
+  // dot(ownSide, position) = ownFrom are on it.
+  PALPATE_VEC3 ownSide;
+  Real ownFrom;
+  uint isImage;  // not 0: the mirror image of the hand's tool
 };
 PALPATE_SINGLE(BrushTool);
-PALPATE_SIZE(BrushTool, 136);
+PALPATE_SIZE(BrushTool, 156);
 
 // A tool with the cells of the surface on which it acts.
 struct PlacedTool {
   BrushTool tool;
   uint connected[kSheetWords];  // a bit for each cell
 };
-PALPATE_SIZE(PlacedTool, 648);
+PALPATE_SIZE(PlacedTool, 668);
 
 // A point as the stroke found it.
 PALPATE_STRUCT(FoundPoint) {
@@ -152,6 +157,23 @@ PALPATE_FORMULA Real brushWeight(PALPATE_OF(Brush) brush, Real distance) {
 
 PALPATE_FORMULA Real clampedShare(Real share) { return max(Real(0.0), min(Real(1.0), share)); }
 
+// With symmetry a tool acts on the points that the stroke found on its own side of the plane, so that no point yields to
+// both the hand and its image; those on the plane yield to the hand.
+PALPATE_FORMULA Real ownHeight(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position) {
+  return dot(tool.ownSide, position) - tool.ownFrom;
+}
+PALPATE_FORMULA bool isOnOwnSide(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position) {
+  const Real height = ownHeight(tool, position);
+  return height > Real(0.0) || (height == Real(0.0) && tool.isImage == 0u);
+}
+
+// A point does not cross the plane of symmetry, and one that was found on it stays on it.
+PALPATE_FORMULA PALPATE_VEC3 heldOnSide(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 found, PALPATE_VEC3 position) {
+  const Real height = ownHeight(tool, position);
+  if (height < Real(0.0) || ownHeight(tool, found) == Real(0.0)) return position - height * tool.ownSide;
+  return position;
+}
+
 // Weight of a point by its normal as the stroke found it, 0 to 1.
 PALPATE_FORMULA Real facingShare(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 foundNormal) {
   return clampedShare((dot(foundNormal, tool.outward) - Real(kOtherSide)) / Real(kTurnedAway - kOtherSide));
@@ -160,7 +182,7 @@ PALPATE_FORMULA Real facingShare(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 foundN
 // Share of the full effect that a point gets in this edit, by its distance from the tool's centre and its normal.
 PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                 PALPATE_VEC3 foundNormal) {
-  if (tool.acts == 0u) return Real(0.0);
+  if (tool.acts == 0u || !isOnOwnSide(tool, position)) return Real(0.0);
   return tool.share * facingShare(tool, foundNormal) * brushWeight(brush, length(position - tool.center));
 }
 
@@ -297,21 +319,24 @@ PALPATE_FORMULA PALPATE_VEC3 inflateWay(PALPATE_OF(Brush) brush, PALPATE_OF(Brus
   return max(Real(0.0), min(left, step)) * found.normal;
 }
 
-// Grab: moves a point along with the hand.
-PALPATE_FORMULA PALPATE_VEC3 grabWay(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_OF(FoundPoint) found,
-                                     Real weight) {
-  return tool.share * ((found.position + weight * tool.motion) - position);
+// Grab: moves a point along with the hand. Near a plane of symmetry the motion towards the plane or away from it
+// vanishes, so that hand and image neither tear the surface nor fold it.
+PALPATE_FORMULA PALPATE_VEC3 grabWay(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                                     PALPATE_OF(FoundPoint) found, Real weight) {
+  const Real lost = max(Real(0.0), Real(1.0) - ownHeight(tool, found.position) / brush.radius);
+  const PALPATE_VEC3 motion = tool.motion - (lost * dot(tool.motion, tool.ownSide)) * tool.ownSide;
+  return tool.share * ((found.position + weight * motion) - position);
 }
 
 // Position of a point after the brush, as far as it follows from the point alone; smooth also needs its neighbours
 // (smoothed()), and paint does not move points.
 PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                             PALPATE_VEC3 normal, PALPATE_OF(FoundPoint) found) {
-  if (brush.kind == kBrushCarve) return carved(brush, tool, position, normal);
   PALPATE_OF(Brushed) result;
   result.position = position;
   result.taken = 0u;
-  if (tool.acts == 0u) return result;
+  if (tool.acts == 0u || !isOnOwnSide(tool, found.position)) return result;
+  if (brush.kind == kBrushCarve) return carved(brush, tool, position, normal);
   PALPATE_VEC3 way = Real(0.0) * tool.outward;
   if (brush.kind == kBrushPush) {
     way = tool.share * pushWay(brush, tool, position, found);
@@ -322,9 +347,9 @@ PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(
     if (!(weight > Real(0.0))) return result;
     if (brush.kind == kBrushFlatten) way = flattenWay(tool, position, found, weight);
     if (brush.kind == kBrushInflate) way = inflateWay(brush, tool, position, found, weight);
-    if (brush.kind == kBrushGrab) way = grabWay(tool, position, found, weight);
+    if (brush.kind == kBrushGrab) way = grabWay(brush, tool, position, found, weight);
   }
-  result.position = afterStep(brush, position, found, way);
+  result.position = heldOnSide(tool, found.position, afterStep(brush, position, found, way));
   return result;
 }
 

@@ -6,6 +6,7 @@
 
 #ifdef __cplusplus
 #include <array>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -42,6 +43,8 @@ struct BrushTraits {
   BrushKind kind;
   uint traits;
   const char* does;  ///< for people
+  std::optional<BrushKind> inverse = {};
+  const char* withoutInverse = "";  ///< what to do where there is none
 };
 
 /// Of a brush that moves points and leaves the model whole.
@@ -50,14 +53,18 @@ constexpr uint kSculpts = kMovesPoints | kLooksAhead | kMayResample | kShapesBod
 /// In the order of BrushKind, which is that of the window's keys.
 inline constexpr auto kBrushes = std::to_array<BrushTraits>({
     {"push", BrushKind::push, kSculpts | kHasShaft | kUsesPushRate | kPressesFaces,
-     "presses the surface in, by the shape of a ball"},
+     "presses the surface in, by the shape of a ball", BrushKind::inflate},
     {"carve", BrushKind::carve, kMovesPoints | kRemovesPoints | kMayResample | kHasShaft,
-     "cuts a ball out of the model"},
-    {"inflate", BrushKind::inflate, kSculpts | kFollowsNormals | kRaisesSurface | kMeasuresFound, "raises the surface"},
-    {"smooth", BrushKind::smooth, kSculpts | kFollowsNormals | kUsesNeighbours, "evens out bumps"},
-    {"grab", BrushKind::grab, kSculpts | kHoldsPoints | kMeasuresFound, "pulls the surface along with the hand"},
-    {"paint", BrushKind::paint, kPaintsPoints, "colours the points"},
-    {"flatten", BrushKind::flatten, kSculpts | kPressesFaces | kMeasuresFound, "levels the surface"},
+     "cuts a ball out of the model", BrushKind::inflate},
+    {"inflate", BrushKind::inflate, kSculpts | kFollowsNormals | kRaisesSurface | kMeasuresFound, "raises the surface",
+     BrushKind::push},
+    {"smooth", BrushKind::smooth, kSculpts | kFollowsNormals | kUsesNeighbours, "evens out bumps", {},
+     "bumps that were evened out come back by undo"},
+    {"grab", BrushKind::grab, kSculpts | kHoldsPoints | kMeasuresFound, "pulls the surface along with the hand", {},
+     "pull the other way"},
+    {"paint", BrushKind::paint, kPaintsPoints, "colours the points", {}, "choose another colour"},
+    {"flatten", BrushKind::flatten, kSculpts | kPressesFaces | kMeasuresFound, "levels the surface", {},
+     "it levels bumps and hollows alike"},
 });
 #endif
 

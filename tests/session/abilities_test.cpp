@@ -68,6 +68,9 @@ TEST_CASE("brushes, motion and undo are refused for each kind of model as the ta
       hold(config, actionOf(kind), "brush.kind");
       config.brush->resample = true;
       if (Abilities(modelKind).allow(actionOf(kind))) hold(config, Action::insertPoints, "brush.resample");
+      config.brush->resample = false;
+      config.brush->symmetry = "x";
+      if (Abilities(modelKind).allow(actionOf(kind))) hold(config, Action::mirror, "brush.symmetry");
     }
     SessionConfig moved = plain;
     moved.motion = MotionConfig{};

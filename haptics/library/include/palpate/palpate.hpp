@@ -241,6 +241,8 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   std::uint64_t undo(std::uint64_t strokes = 1) {
     return detail::written<std::uint64_t>(pp_session_undo, handle(), strokes);
   }
+  /// Takes the stroke in progress back; false where there is none (pp_session_cancel_stroke()).
+  bool cancelStroke() { return detail::written<std::uint32_t>(pp_session_cancel_stroke, handle()) != 0; }
   /// Redoes the strokes undone last, and returns their number.
   std::uint64_t redo(std::uint64_t strokes = 1) {
     return detail::written<std::uint64_t>(pp_session_redo, handle(), strokes);
