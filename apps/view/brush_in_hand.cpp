@@ -73,7 +73,10 @@ void BrushInHand::giveUp(BrushSettings& brush) {
 BrushHint BrushInHand::hint(const BrushSettings& chosen, const ViewSettings& view, const DVec2& cursor_px,
                             bool isOnModel, const Pointed& at) const {
   if (!at.session || !chosen.sculpts) return {};
-  BrushHint hint{.ring_px = {}, .place_px = drag_ ? drag_->from_px : cursor_px, .words = wordsFor(chosen)};
+  BrushHint hint{.kind = brushFrom(chosen).kind,
+                 .ring_px = {},
+                 .place_px = drag_ ? drag_->from_px : cursor_px,
+                 .words = wordsFor(chosen)};
   BrushSettings brush = chosen;
   if (drag_ && drag_->what == Drag::size) hint.words = "size " + view.lengthText(brush.radius_mm, *at.session);
   if (drag_ && drag_->what == Drag::strength)
@@ -86,7 +89,10 @@ BrushHint BrushInHand::hint(const BrushSettings& chosen, const ViewSettings& vie
     const double angle = 2 * std::numbers::pi * k / kRingCorners;
     const DVec3 corner = spot->place + radius * (std::cos(angle) * frame.u + std::sin(angle) * frame.v);
     const auto corner_px = at.viewpoint.camera().project(corner, at.size_px);
-    if (!corner_px) return {.ring_px = {}, .place_px = hint.place_px, .words = hint.words};
+    if (!corner_px) {  // behind the eye
+      hint.ring_px.clear();
+      return hint;
+    }
     hint.ring_px.emplace_back(*corner_px);
   }
   return hint;

@@ -14,9 +14,10 @@ namespace palpate {
 
 /// What is shown of it at the cursor, in the panels' layer, so that the model is not drawn again.
 struct BrushHint {
-  std::vector<DVec2> ring_px;  ///< the brush's size on the surface under the cursor; empty: none
-  DVec2 place_px{0};           ///< of the words
-  std::string words;           ///< of keys that are held, or of a drag; empty: none
+  std::optional<BrushKind> kind;  ///< that works now; empty: the chosen one
+  std::vector<DVec2> ring_px;     ///< the brush's size on the surface under the cursor; empty: none
+  DVec2 place_px{0};              ///< of the words
+  std::string words;              ///< of keys that are held, or of a drag; empty: none
 };
 
 class BrushInHand {

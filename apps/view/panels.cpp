@@ -275,7 +275,8 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
   };
   if (chosen("feel", "touches the surface and leaves it as it is", !brush.sculpts)) brush.sculpts = false;
   for (const BrushTraits& each : kBrushes)
-    if (chosen(each.name, whatItDoes(each).c_str(), brush.sculpts && brush.kind == each.kind)) {
+    if (chosen(each.name, whatItDoes(each).c_str(),
+               brush.sculpts && status.brush.kind.value_or(brush.kind) == each.kind)) {
       brush.kind = each.kind;
       brush.sculpts = true;
     }

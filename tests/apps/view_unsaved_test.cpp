@@ -104,6 +104,56 @@ TEST_CASE("unsaved strokes survive SIGKILL and can be resumed with their points,
   CHECK(contentOf(path / "again.ply") == contentOf(whole->folder.path() / "whole.ply"));
 }
 
+TEST_CASE("journey 5: ten mirrored strokes beside a mask, five of them undone, saved, killed and recovered") {
+  if (!hasDisplay()) return;
+  std::string script = R"(0.05 where y > 20
+0.1 key s
+0.2 click Lock
+0.4 key 2
+0.4 key t
+)";
+  const auto stroke = [&](double time_s, int k) {
+    script +=
+        fmt::format("{0:.2f} mouse {4} {5}\n{1:.2f} button left down\n{2:.2f} mouse {6} {7}\n{3:.2f} button left up\n",
+                    time_s, time_s + 0.1, time_s + 0.15, time_s + 0.2, 310 + 12 * (k % 5), 130 + 25 * (k / 5),
+                    325 + 12 * (k % 5), 140 + 25 * (k / 5));
+  };
+  for (int k = 0; k < 10; ++k) stroke(0.5 + 0.25 * k, k);
+  script += "3.2 state %/ten.json\n";
+  for (int k = 0; k < 5; ++k) script += "3.25 key ctrl+z\n";
+  script += "3.4 state %/five.json\n3.4 save %/five.ply\n3.5 key escape\n3.5 key t\n";
+  stroke(3.6, 11);
+  Struck struck;
+  strike(struck, SIGKILL, script, "--symmetry x");
+  const std::filesystem::path& path = struck.folder.path();
+  CHECK(jsonOf(path / "ten.json")["undo_count"] == 11);  // ten strokes, and the mask
+  CHECK(jsonOf(path / "five.json")["undo_count"] == 6);
+  CHECK(jsonOf(path / "end.json")["undo_count"] == 7);
+  // The mask has kept its points, and both sides of the sphere have been sculpted.
+  const PointCloud was = readPly((path / "sphere.ply").string()), five = readPly((path / "five.ply").string());
+  std::size_t left = 0, right = 0, locked = 0;
+  for (std::size_t i = 0; i < was.size(); ++i) {
+    if (was.positions[i] == five.positions[i]) continue;
+    ++(was.positions[i].x < 0 ? left : right);
+    locked += was.positions[i].y > 20;
+  }
+  CHECK(left > 20);
+  CHECK(right > 20);
+  CHECK(locked == 0);
+  const auto asked = struck.later(R"(0.2 click Restore them
+0.6 state %/again.json
+0.7 key ctrl+z
+0.9 save %/undone.ply
+1.1 key ctrl+shift+z
+1.3 state %/redone.json
+)");
+  CHECK(asked["asks_about_strokes"] == true);
+  CHECK(jsonOf(path / "again.json")["changed"] == true);
+  CHECK(jsonOf(path / "again.json")["points"] == jsonOf(path / "end.json")["points"]);
+  CHECK(contentOf(path / "undone.ply") == contentOf(path / "five.ply"));
+  CHECK(jsonOf(path / "redone.json")["points"] == jsonOf(path / "end.json")["points"]);
+}
+
 TEST_CASE("a stroke on a splat scene is recovered, and saved with the same Gaussians as without the crash") {
   if (!hasDisplay()) return;
   Struck struck;

@@ -31,6 +31,7 @@ Model symmetricModel(std::size_t points) {
     half.normals.push_back(half.normals[i] * Vec3(-1, 1, 1));
   }
   model.cloud = half;
+  measure(model, {.mm_per_unit = 1}, 1);
   return model;
 }
 
@@ -64,6 +65,24 @@ struct Sculpted {
   double mostMoved(std::size_t first, std::size_t last) const {
     double most = 0;
     for (std::size_t i = first; i < last; ++i) most = std::max(most, moved(i));
+    return most;
+  }
+  /// There a point is worked by the hand and by its image for as long together as by the hand alone; farther off the
+  /// stroke and its image come by one after the other.
+  double mostMovedAtThePlane() const {
+    double most = 0;
+    for (std::size_t i = 0; i < model.cloud.size(); ++i)
+      if (std::abs(model.cloud.positions[i].x) < 1) most = std::max(most, moved(i));
+    return most;
+  }
+  /// Of a point from the mirror image of its partner.
+  double mostApart() const {
+    double most = 0;
+    for (std::size_t i = 0; i < half(); ++i) {
+      const PointState here = session.history()->points()[i], there = session.history()->points()[half() + i];
+      if (here.gone || there.gone) continue;
+      most = std::max(most, glm::distance(DVec3(here.position), DVec3(there.position) * DVec3(-1, 1, 1)));
+    }
     return most;
   }
   double leastRadius() const {
@@ -103,21 +122,22 @@ TEST_CASE("with symmetry both sides of the model are changed alike, by as much a
     both.stroke(path);
     CHECK(both.session.strokes().undoCount == 1);
     const std::size_t half = both.half();
-    double mostApart = 0, mostHere = 0, mostMoved = both.mostMoved(0, half);
+    double mostHere = 0, mostMoved = both.mostMoved(0, half);
     std::size_t changed = 0, differing = 0;
     for (std::size_t i = 0; i < half; ++i) {
       const PointState here = both.session.history()->points()[i], there = both.session.history()->points()[half + i];
       changed += !isSameToTheBit(here, PointStates(both.model.cloud)[i]);
       differing += here.gone != there.gone || here.color != there.color;
-      if (here.gone || there.gone) continue;
-      mostApart = std::max(mostApart, glm::distance(DVec3(here.position), DVec3(there.position) * DVec3(-1, 1, 1)));
+      if (here.gone) continue;
       const PointState without = alone.session.history()->points()[i];
       if (!without.gone) mostHere = std::max(mostHere, glm::distance(DVec3(here.position), DVec3(without.position)));
     }
     CHECK(changed > 15);
     CHECK(differing == 0);
-    CHECK(mostApart < 1e-4 + 1e-3 * mostMoved);
-    if (brush.kind != BrushKind::carve) CHECK(mostHere < 0.15 * mostMoved + 0.01);
+    CHECK(both.mostApart() <= onCpuOrGpu(0.0, 1e-5));
+    // Flatten and smooth are slow, and follow the hand by half as many, larger edits.
+    const bool isSlow = brush.kind == BrushKind::flatten || brush.kind == BrushKind::smooth;
+    if (brush.kind != BrushKind::carve) CHECK(mostHere < (isSlow ? 0.5 : 0.15) * mostMoved + 0.01);
     CHECK(alone.mostMoved(half, 2 * half) == 0);
     // One change of the history.
     CHECK(both.session.undo(1, 0).undone == 1);
@@ -131,10 +151,10 @@ TEST_CASE("a stroke that crosses the plane of symmetry is as deep as without sym
     Sculpted alone(sculpting(kind, {})), both(sculpting(kind, "x"));
     alone.stroke(acrossThePlane(2));
     both.stroke(acrossThePlane(2));
-    const std::size_t all = 2 * both.half();
-    CHECK(alone.mostMoved(0, all) > 0.01);
-    CHECK(both.mostMoved(0, all) == near(alone.mostMoved(0, all), 0.1));
+    CHECK(alone.mostMovedAtThePlane() > 0.002);
+    CHECK(both.mostMovedAtThePlane() == near(alone.mostMovedAtThePlane(), 0.2));
     CHECK(both.leastRadius() == near(alone.leastRadius(), 0.005));
+    CHECK(both.mostApart() < 5e-5);  // single precision: neighbours are added in another order
   }
 }
 

@@ -72,6 +72,11 @@ TEST_CASE("while sculpting all keys do what they did before there were tools") {
                           GLFW_KEY_LEFT_BRACKET, GLFW_KEY_RIGHT_BRACKET, GLFW_KEY_1, GLFW_KEY_8})
       CHECK(meaningsOf(kSculpt, key, false, shift).size() == 1);
   }
+  // But for F, which changes the size of the brush, as in other programs; Ctrl+F hides the cameras.
+  CHECK(posts(kSculpt, GLFW_KEY_F, false, false, BrushCommand::dragSize));
+  CHECK(posts(kSculpt, GLFW_KEY_F, false, true, BrushCommand::dragStrength));
+  for (const WindowTool tool : kTools) CHECK(meaningsOf(tool, GLFW_KEY_F, true, false).size() == 1);
+  CHECK(posts(kSculpt, GLFW_KEY_ESCAPE, false, false, BrushCommand::cancelStroke));
   CHECK(posts(kSculpt, GLFW_KEY_Z, true, false, ModelCommand::undo));
   CHECK(posts(kSculpt, GLFW_KEY_S, true, false, ModelCommand::save));
   CHECK(meaningsOf(kSculpt, GLFW_KEY_DELETE, false, false).empty());
