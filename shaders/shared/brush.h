@@ -157,8 +157,8 @@ PALPATE_FORMULA Real brushWeight(PALPATE_OF(Brush) brush, Real distance) {
 
 PALPATE_FORMULA Real clampedShare(Real share) { return max(Real(0.0), min(Real(1.0), share)); }
 
-// With symmetry a tool acts on the points that the stroke found on its own side of the plane, so that no point yields to
-// both the hand and its image; those on the plane yield to the hand.
+// With symmetry a tool acts on the points that the stroke found on its own side of the plane, so that no point yields
+// to both the hand and its image; those on the plane yield to the hand.
 PALPATE_FORMULA Real ownHeight(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position) {
   return dot(tool.ownSide, position) - tool.ownFrom;
 }

@@ -47,6 +47,7 @@ struct BrushTraits {
   const char* withoutInverse = "";  ///< what to do where there is none
 };
 
+constexpr std::optional<BrushKind> kNoInverse;
 /// Of a brush that moves points and leaves the model whole.
 constexpr uint kSculpts = kMovesPoints | kLooksAhead | kMayResample | kShapesBodies;
 
@@ -58,12 +59,12 @@ inline constexpr auto kBrushes = std::to_array<BrushTraits>({
      "cuts a ball out of the model", BrushKind::inflate},
     {"inflate", BrushKind::inflate, kSculpts | kFollowsNormals | kRaisesSurface | kMeasuresFound, "raises the surface",
      BrushKind::push},
-    {"smooth", BrushKind::smooth, kSculpts | kFollowsNormals | kUsesNeighbours, "evens out bumps", {},
+    {"smooth", BrushKind::smooth, kSculpts | kFollowsNormals | kUsesNeighbours, "evens out bumps", kNoInverse,
      "bumps that were evened out come back by undo"},
-    {"grab", BrushKind::grab, kSculpts | kHoldsPoints | kMeasuresFound, "pulls the surface along with the hand", {},
-     "pull the other way"},
-    {"paint", BrushKind::paint, kPaintsPoints, "colours the points", {}, "choose another colour"},
-    {"flatten", BrushKind::flatten, kSculpts | kPressesFaces | kMeasuresFound, "levels the surface", {},
+    {"grab", BrushKind::grab, kSculpts | kHoldsPoints | kMeasuresFound, "pulls the surface along with the hand",
+     kNoInverse, "pull the other way"},
+    {"paint", BrushKind::paint, kPaintsPoints, "colours the points", kNoInverse, "choose another colour"},
+    {"flatten", BrushKind::flatten, kSculpts | kPressesFaces | kMeasuresFound, "levels the surface", kNoInverse,
      "it levels bumps and hollows alike"},
 });
 #endif

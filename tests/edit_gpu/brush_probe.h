@@ -15,7 +15,7 @@ struct BrushQuestion {
   float room;
   uint color;
 };
-PALPATE_SIZE(BrushQuestion, 220);
+PALPATE_SIZE(BrushQuestion, 240);
 
 struct BrushAnswer {
   Brushed brushed;

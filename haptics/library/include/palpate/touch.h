@@ -68,9 +68,9 @@ typedef struct pp_brush {
   uint8_t color[4];      /**< paint: red green blue; the fourth is not used */
   /** 1: points are inserted where the surface is stretched, and merged where it is crowded; default 1 */
   uint32_t resample;
-  /** Each edit is also made mirrored: "x", "y" or "z", at the plane across that axis through the middle of the model, or
-   * "PX,PY,PZ,NX,NY,NZ", a position on the plane and its normal in the model's coordinates; null or "": it is not. The
-   * force is that of the hand alone. */
+  /** Each edit is also made mirrored: "x", "y" or "z", at the plane across that axis through the middle of the model,
+   * or "PX,PY,PZ,NX,NY,NZ", a position on the plane and its normal in the model's coordinates; null or "": it is not.
+   * The force is that of the hand alone. */
   const char* symmetry;
 } pp_brush;
 PP_OPTIONS(brush)
@@ -99,10 +99,10 @@ PP_API pp_status pp_session_touch_hands(pp_session session, const pp_path* const
  * PP_ERROR_NETWORK, with `done`, if the server of a joined session has not confirmed it within
  * pp_join_options.timeout_s. */
 PP_API pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done);
-/** Takes the stroke in progress back, each point to the last bit, as if it had never been made: it cannot be redone, and
- * the hand makes no other before it has left the surface. Between two calls of pp_touch(), and of a live hand; contact
- * and force go on. `cancelled`: 1, or 0 where no stroke is in progress; may be null. Otherwise as pp_session_undo(), and
- * PP_ERROR_FAILED for a stroke larger than pp_session_options.undo_memory_MiB, which stays. */
+/** Takes the stroke in progress back, each point to the last bit, as if it had never been made: it cannot be redone,
+ * and the hand makes no other before it has left the surface. Between two calls of pp_touch(), and of a live hand;
+ * contact and force go on. `cancelled`: 1, or 0 where no stroke is in progress; may be null. Otherwise as
+ * pp_session_undo(), and PP_ERROR_FAILED for a stroke larger than pp_session_options.undo_memory_MiB, which stays. */
 PP_API pp_status pp_session_cancel_stroke(pp_session session, uint32_t* cancelled);
 /** Redoes the strokes undone last, as pp_session_undo() undoes them. */
 PP_API pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done);
