@@ -19,6 +19,9 @@ const Range& sliderOf(std::string_view name) {
   return settingNamed<Section>(name).slider;
 }
 
+constexpr std::array<std::pair<std::string_view, std::uint32_t>, 4> kFalloffs{
+    {{"flat", 0}, {"sphere", 1}, {"smooth", 2}, {"sharp", 5}}};
+
 // With its inverse, which Ctrl gives.
 std::string whatItDoes(const BrushTraits& brush) {
   return brush.inverse ? fmt::format("{}; with Ctrl: {}", brush.does, traitsOf(*brush.inverse).name)
@@ -302,6 +305,12 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
     const bool isPush = brushHas(brush.kind, shared::kUsesPushRate);
     if (isPush) drag("speed", brush.pushRate, 0.005f, sliderOf<BrushConfig>("push_rate"), "%.2f");
     if (isPush) help("fraction of the path to the stylus by which the surface yields per tick");
+    if (!brushHas(brush.kind, shared::kHasShaft)) {
+      choose("falloff", kFalloffs, brush.falloff);
+      help("how the effect decreases towards the rim: not at all, or as (1 - r^2) to the power of 1, 2 or 5");
+    }
+    drag("steady", view.string_px, 0.5f, {0, 200}, "%.0f px");
+    help("steadies strokes of the mouse: it pulls the stylus by a string of this length; 0: it does not");
     dragLength("resistance", brush.yieldDepth_mm, 0.02, sliderOf<BrushConfig>("yield_depth_mm"), status);
     help("depth of the stylus below the surface from which the surface yields");
     ImGui::TreePop();

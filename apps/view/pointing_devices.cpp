@@ -59,6 +59,7 @@ void PointingDevices::beginStroke(const ViewSettings& view, const Pointed& at) {
   drag_.beginOther();
   StrokeOptions options = at.session->strokeOptions(view.press_mm);
   options.inPlane = !view.followsSurface;
+  options.string_px = view.string_px;
   at.session->press(PointerStroke(at.surface(), options, cursor_px_, at.time_s));
 }
 

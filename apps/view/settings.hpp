@@ -29,6 +29,7 @@ struct ViewSettings {
   int resolution = 128;
   bool followsSurface = true;  ///< the stylus stays at the visible surface under the cursor; else in one plane
   double press_mm = 2.5;       ///< depth that the hand aims at while it presses
+  double string_px = 0;        ///< StrokeOptions::string_px
   bool waitsForDisplay = true;
   bool panels = true, plots = false, help = false;
 

@@ -27,8 +27,14 @@ PointerStroke::PointerStroke(FoundSurface found, const StrokeOptions& options, c
       inward_(options.inward) {}
 
 // The way to an event begins with it, and takes as long as the time since the event before.
-void PointerStroke::moveTo(const DVec2& place_px, double time_s) {
+void PointerStroke::moveTo(const DVec2& pointer_px, double time_s) {
   const Place from = last_;
+  DVec2 place_px = pointer_px;
+  if (options_.string_px > 0) {
+    const DVec2 pull_px = pointer_px - from.place_px;
+    const double length = glm::length(pull_px);
+    place_px = from.place_px + (length > options_.string_px ? 1 - options_.string_px / length : 0.0) * pull_px;
+  }
   time_s = std::max(time_s, event_s_);
   const double spread_s = std::min(time_s - std::exchange(event_s_, time_s), kMaxSpread_s);
   const double count = std::ceil(glm::distance(from.place_px, place_px) / kStep_px);

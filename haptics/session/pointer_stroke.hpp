@@ -16,6 +16,9 @@ struct StrokeOptions {
   double inward = 0;     ///< depth of the stylus below the found surface, model units
   bool holds = false;    ///< grab: what the stylus touches first is moved parallel to the picture
   bool inPlane = false;  ///< the stylus moves parallel to the picture in any case
+  /// The stroke is steadied: the pointer pulls the stylus by a string of this length, pixels. The stroke ends where the
+  /// stylus is then.
+  double string_px = 0;
 };
 
 /// From the press of the button to its release and the end of the path that was drawn until then. The path goes along
@@ -27,7 +30,7 @@ class PointerStroke {
   /// The button is pressed at a position of the picture.
   PointerStroke(FoundSurface found, const StrokeOptions& options, const DVec2& place_px, double time_s);
 
-  void moveTo(const DVec2& place_px, double time_s);
+  void moveTo(const DVec2& pointer_px, double time_s);
   /// Presses deeper by `way`, model units, from now on.
   void deepen(double way, double time_s);
   void release(double time_s);

@@ -44,10 +44,10 @@ struct BrushTraits {
   uint traits;
   const char* does;  ///< for people
   std::optional<BrushKind> inverse = {};
-  const char* withoutInverse = "";  ///< what to do where there is none
+  const char* withoutInverse = "";  ///< what to do where there is none, for people
 };
-
 constexpr std::optional<BrushKind> kNoInverse;
+
 /// Of a brush that moves points and leaves the model whole.
 constexpr uint kSculpts = kMovesPoints | kLooksAhead | kMayResample | kShapesBodies;
 

@@ -271,4 +271,27 @@ TEST_CASE("what is grabbed moves parallel to the picture, as far as the pointer,
   CHECK((ended + 1)->hip.x == near(80 * pixel, 0.01));
 }
 
+TEST_CASE("a steadied stroke follows a trembling pointer by a string, and ends where the string has pulled it") {
+  for (const double string_px : {0.0, 30.0}) {
+    CAPTURE(string_px);
+    const StrokeOptions options{.inward = kPress_mm, .string_px = string_px};
+    PointerStroke stroke(pictureOf(sheetDepth), options, {180, 150}, 0);
+    double time_s = 0;
+    for (int x = 181; x <= 230; ++x) stroke.moveTo({x, x == 230 ? 150 : 150 + (x % 2 ? 6 : -6)}, time_s += 0.01);
+    stroke.release(time_s + 0.1);
+    double trembles = 0;
+    std::optional<DVec2> last_px;
+    while (!stroke.isOver())
+      if (const auto pose = stroke.next()) {
+        const auto at_px = kCamera.project(pose->place, kSize_px);
+        REQUIRE(at_px);
+        last_px = DVec2(*at_px);
+        if (last_px->x > 190) trembles = std::max(trembles, std::abs(last_px->y - 150));
+      }
+    REQUIRE(last_px);
+    CHECK(last_px->x == within(230 - string_px, 1.5));
+    CHECK((string_px > 0 ? trembles < 1.5 : trembles > 5));
+  }
+}
+
 }  // namespace palpate::pointer_stroke_test

@@ -103,4 +103,12 @@ TEST_CASE("numbers choose a brush and sculpt with any tool, and brackets resize 
   }
 }
 
+TEST_CASE("with Ctrl each brush does something else, or says what to do instead") {
+  for (const BrushTraits& brush : kBrushes) {
+    CAPTURE(brush.name);
+    CHECK(brush.inverse.has_value() == (std::string_view(brush.withoutInverse) == ""));
+    CHECK(brush.inverse != brush.kind);
+  }
+}
+
 }  // namespace palpate::key_table_test
