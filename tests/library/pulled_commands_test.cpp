@@ -102,6 +102,41 @@ TEST_CASE("a dent that is undone under a hand pushes it again") {
   CHECK(after.penetration_mm == near(whole_mm, 0.05));
 }
 
+TEST_CASE(
+    "a stroke that is cancelled under a hand is gone to the bit, and the hand dents nothing before it is lifted") {
+  for (const char* const symmetry : {"", "x"}) {
+    CAPTURE(symmetry);
+    const OpenBall ball;
+    Presser hand{ball.session};
+    pp_brush brush = pp_default_brush();
+    brush.symmetry = symmetry;
+    PP_REQUIRE_OK(pp_session_set_brush(ball.session, &brush));
+    const std::vector<double> before = placesOf(ball.session);
+    std::uint32_t cancelled = 9;
+    PP_REQUIRE_OK(pp_session_cancel_stroke(ball.session, &cancelled));
+    CHECK(cancelled == 0);
+    hand.press();
+    for (int i = 0; i < 100; ++i) hand.at(1);
+    PP_REQUIRE_OK(pp_session_cancel_stroke(ball.session, &cancelled));
+    CHECK(cancelled == 1);
+    CHECK(placesOf(ball.session) == before);
+    CHECK(hand.at(1).contact == 1);
+    for (int i = 0; i < 100; ++i) hand.at(1);
+    CHECK(placesOf(ball.session) == before);
+    pp_session_info info = pp_default_session_info();
+    PP_REQUIRE_OK(pp_session_get_info(ball.session, &info));
+    CHECK(info.undo_count == 0);
+    CHECK(info.redo_count == 0);
+    hand.press();
+    for (int i = 0; i < 100; ++i) hand.at(1);
+    CHECK(placesOf(ball.session) != before);
+  }
+  const OpenBall ball;
+  pp_brush brush = pp_default_brush();
+  brush.symmetry = "up";
+  CHECK(pp_session_set_brush(ball.session, &brush) == PP_ERROR_ARGUMENT);
+}
+
 TEST_CASE("a hand in a joined session keeps its contact while a command delivers its strokes to the server") {
   if (!isBuilt()) return;
   const Serving serving("pulled");

@@ -70,6 +70,21 @@ def test_a_stroke_in_progress_counts_as_one_that_can_be_undone(session):
     assert session.undo() == 1 and session.undo_count == 0
 
 
+def test_a_stroke_in_progress_is_cancelled(session):
+    assert not session.cancel_stroke()
+    session.set_brush("push", radius_mm=4, symmetry="x")
+    before = session.cloud().positions
+    for i, hip in enumerate(press_path(3)[:-20]):
+        session.touch_pose(i / 1000, hip)
+    assert session.cancel_stroke()
+    assert session.undo_count == 0 and session.redo() == 0
+    assert np.array_equal(session.cloud().positions, before)
+    with pytest.raises(pp.UsageError, match="symmetry"):
+        session.set_brush("push", symmetry="up")
+    with pytest.raises(TypeError, match="symmetry: must be a text, not 1"):
+        session.set_brush("push", symmetry=1)
+
+
 def test_several_hands_are_answered_at_once(ball):
     with pp.Session(ball, gpu="cpu", mm_per_unit=1, hands=2) as s:
         for i, z in enumerate(np.linspace(52, 49, 100)):

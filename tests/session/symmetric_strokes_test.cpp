@@ -161,7 +161,7 @@ TEST_CASE("a stroke that crosses the plane of symmetry is as deep as without sym
 TEST_CASE("a plane through any position mirrors a stroke, and one that is not of the model is refused in words") {
   const DVec3 normal = glm::normalize(DVec3(1, 2, 0.5));
   Sculpted both(sculpting(BrushKind::push, fmt::format("0,0,0,{},{},{}", normal.x, normal.y, normal.z)));
-  const DVec3 from(0.6, 0.8, 0.7);
+  const DVec3 from(-0.6, -0.8, 0.7);  // behind the plane
   both.stroke(strokeFrom(from, 2));
   const DVec3 there = 50.0 * glm::normalize(from - 2 * glm::dot(from, normal) * normal),
               here = 50.0 * glm::normalize(from);
