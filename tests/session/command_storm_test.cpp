@@ -119,6 +119,43 @@ TEST_CASE("a thousand commands in contact change the force by 60 N/s at most, an
   }
 }
 
+TEST_CASE("a stroke that is taken back in contact leaves no change and no knock, and a replay takes it back, too") {
+  const ScratchFolder folder;
+  const auto kind = backendKind();
+  SessionConfig config = stormy(*kind, (folder / "sphere.ply").string());
+  config.model.mm_per_unit = 1;
+  Session session(config, sphereModel(), {.backend = *kind, .threads = 1, .keepsPoints = true, .undo = {1 << 28}});
+  session.setBrush(std::nullopt);
+  Stepped steps(session);
+  steps.goOn(1.5);
+  REQUIRE(steps.rows.back().contact);
+  session.record((folder / "log").string(), steps.hand.hand());
+  session.setBrush(config.brush);
+  steps.goOn(0.1);
+  REQUIRE(session.history()->inStroke());
+  CHECK(session.cancelStroke());
+  CHECK_FALSE(session.cancelStroke());
+  const auto isAsLoaded = [&] {
+    const PointStates loaded(session.model().cloud);
+    return std::ranges::all_of(session.history()->points(), [&](const PointState& point) {
+      return point.number < loaded.size() ? isSameToTheBit(point, loaded[point.number]) : point.gone;
+    });
+  };
+  CHECK(isAsLoaded());
+  steps.goOn(0.1);
+  CHECK(steps.rows.back().contact);
+  CHECK(isAsLoaded());
+  const StrokeCounts counts = session.strokes();
+  CHECK(counts.undoCount + counts.redoCount + counts.strokes == 0);
+  session.endRecording();
+  steps.goOn(0.02);
+  session.stop();
+  const Felt felt = feltIn(steps.rows, 1.4);
+  CHECK(felt.most_N <= kSurface_N);
+  CHECK(felt.without == 0);
+  checkSame(replayed((folder / "log").string(), session.model().cloud));
+}
+
 TEST_CASE("a replay switches the forces off and on at the same ticks as the user did") {
   const ScratchFolder folder;
   const auto kind = backendKind();
