@@ -141,9 +141,13 @@ Json prepare(Context& context, const ConvertOptions& options, StoredCloud& store
     const auto distances =
         context.hasRealGpu() ? neighbourDistancesOn([&]() -> Device& { return context.device(); }) : nullptr;
     const std::size_t before = cloud.size();
+    if (preparation->fillHoles_mm > 0 && !stored.triangles.empty())
+      throw ConfigError("prepare.fill_holes_mm",
+                        "{} is written as triangles, whose holes are not closed; --samples N makes points of them",
+                        options.output);
     PreparedCloud prepared = palpate::prepared(std::move(cloud), *preparation, fields, report, distances);
     cloud = std::move(prepared.cloud);
-    if (cloud.size() < before) stored.triangles = chosenTriangles(stored.triangles, prepared.numbers);
+    if (prepared.numbers.size() < before) stored.triangles = chosenTriangles(stored.triangles, prepared.numbers);
   }
   if (options.normals == "estimate") estimateNormals(cloud, 16, context.threads());
   const bool flips = options.normals == "flip";

@@ -53,10 +53,12 @@ void addPrepareOptions(Options& command, PrepareOptions& options) {
       .check(neighbours)
       .typeName("K,SIGMA");
   text("radius_neighbours", options.radiusOutliers, "N,MM").check(neighbours);
+  addSetting(command, options.preparation, "fill_holes_mm");
   addSetting(command, options.preparation, "subsample_mm");
   addSetting(command, options.preparation, "random");
   addSetting(command, options.preparation, "seed").showDefault();
   addSetting(command, options.preparation, "set").repeatable().typeName("RULE");
+  addSetting(command, options.preparation, "upright");
   addSetting(command, options.preparation, "level");
 }
 

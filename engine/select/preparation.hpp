@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/cloud/up.hpp"
 #include "engine/core/setting.hpp"
 
 namespace palpate {
@@ -18,11 +19,13 @@ struct Preparation {
   double outlierSigma = 1;
   std::size_t radiusNeighbours = 0;  ///< of radiusOutliers()
   double radius_mm = 1;
+  double fillHoles_mm = 0;  ///< widest opening of fillHoles()
   double subsample_mm = 0;  ///< side of the cells of onePointPerCell()
   std::size_t random = 0;   ///< number of points of randomPoints()
   std::size_t seed = 1;
-  std::vector<std::string> set;  ///< rules of applyRule()
-  bool level = false;            ///< rotates the ground to horizontal, with z up
+  std::vector<std::string> set;   ///< rules of applyRule()
+  std::optional<UpAxis> upright;  ///< rotates this axis to z
+  bool level = false;             ///< rotates the ground to horizontal, with z up
 
   bool operator==(const Preparation&) const = default;
 };

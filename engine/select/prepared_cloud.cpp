@@ -18,6 +18,7 @@
 #include "engine/select/field_rule.hpp"
 #include "engine/select/gaussian_centers.hpp"
 #include "engine/select/move_points.hpp"
+#include "engine/select/small_holes.hpp"
 
 namespace palpate {
 
@@ -31,13 +32,15 @@ std::string conditionOf(const Corners& corners) {
   return text;
 }
 
+constexpr std::uint32_t kNew = ~0u;  // in place of a number
+
 /// Does the steps, and keeps account of the points.
 class Preparer {
  public:
   /// `noun`: what the points are.
   Preparer(PointCloud cloud, std::string_view noun, std::size_t steps, const FieldOptions& options,
            const std::function<void(const PreparedStep&)>& report)
-      : noun_(noun), steps_(steps), options_(options), report_(report) {
+      : noun_(noun), steps_(steps), options_(options), report_(report), up_(options.up) {
     result_.cloud = std::move(cloud);
     result_.numbers.resize(result_.cloud.size());
     std::iota(result_.numbers.begin(), result_.numbers.end(), 0u);
@@ -64,8 +67,24 @@ class Preparer {
     const std::size_t count = applyRule("prepare.set", rule, result_.cloud, options_);
     done("prepare.set", cloud().size(), fmt::format("\"{}\" sets {}", rule, counted(count, noun_)));
   }
+  void fillHoles(double widest) {
+    const std::size_t before = cloud().size();
+    const HoleFilling filling = palpate::fillHoles(cloud(), widest, options_.threads);
+    addPoints(result_.cloud, filling.points);
+    result_.numbers.resize(cloud().size(), kNew);
+    std::string what =
+        fmt::format("closes {} with {}", counted(filling.closed, "hole"), counted(filling.points.size(), "new point"));
+    if (filling.left > 0) what += fmt::format("; leaves {} open, whose rim folds", filling.left);
+    done("prepare.fill_holes_mm", before, std::move(what));
+  }
+  void rotateUp(UpAxis up) {
+    rotateToZ(result_.cloud, directionOf(up));
+    setUp(result_.cloud.storedAs.comments, UpAxis::z);
+    up_ = UpAxis::z;
+    done("prepare.upright", cloud().size(), fmt::format("rotates {} to z", nameOf(up)));
+  }
   void level() {
-    const auto ground = findGround(cloud(), options_.up);
+    const auto ground = findGround(cloud(), up_);
     if (!ground)
       throw ConfigError(
           "prepare.level",
@@ -80,7 +99,10 @@ class Preparer {
 
   const PointCloud& cloud() const { return result_.cloud; }
   double toUnits(double length_mm) const { return length_mm / options_.mm_per_unit; }
-  PreparedCloud result() { return std::move(result_); }
+  PreparedCloud result() {
+    result_.numbers.erase(std::ranges::find(result_.numbers, kNew), result_.numbers.end());
+    return std::move(result_);
+  }
 
  private:
   void done(std::string_view name, std::size_t before, std::string what) {
@@ -93,6 +115,7 @@ class Preparer {
   std::size_t steps_;  // number of them
   const FieldOptions& options_;
   const std::function<void(const PreparedStep&)>& report_;
+  std::optional<UpAxis> up_;
   PreparedCloud result_;
 };
 
@@ -137,7 +160,8 @@ PreparedCloud preparedPoints(PointCloud cloud, std::string_view noun, const Prep
   for (const bool isWanted :
        {preparation.crop.has_value(), preparation.cropOutside.has_value(), !preparation.where.empty(),
         preparation.dropDuplicates, preparation.outlierNeighbours > 0, preparation.radiusNeighbours > 0,
-        preparation.subsample_mm > 0, preparation.random > 0, preparation.level})
+        preparation.fillHoles_mm > 0, preparation.subsample_mm > 0, preparation.random > 0,
+        preparation.upright.has_value(), preparation.level})
     steps += isWanted ? 1 : 0;
   Preparer preparer(std::move(cloud), noun, steps, options, report);
   const unsigned threads = options.threads;
@@ -153,12 +177,14 @@ PreparedCloud preparedPoints(PointCloud cloud, std::string_view noun, const Prep
     preparer.drop("prepare.radius_neighbours",
                   radiusOutliers(preparer.cloud(), static_cast<std::uint32_t>(preparation.radiusNeighbours),
                                  preparer.toUnits(preparation.radius_mm), threads));
+  if (preparation.fillHoles_mm > 0) preparer.fillHoles(preparer.toUnits(preparation.fillHoles_mm));
   if (preparation.subsample_mm > 0)
     preparer.keep("prepare.subsample_mm",
                   onePointPerCell(preparer.cloud(), preparer.toUnits(preparation.subsample_mm), threads));
   if (preparation.random > 0)
     preparer.keep("prepare.random", randomPoints(preparer.cloud().size(), preparation.random, preparation.seed));
   for (const std::string& rule : preparation.set) preparer.set(rule);
+  if (preparation.upright) preparer.rotateUp(*preparation.upright);
   if (preparation.level && !preparer.cloud().empty()) preparer.level();
   return preparer.result();
 }
@@ -167,20 +193,24 @@ PreparedCloud preparedPoints(PointCloud cloud, std::string_view noun, const Prep
 
 PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
                        const std::function<void(const PreparedStep&)>& report, const DistanceMaker& distances) {
+  const Preparation rotating{.upright = preparation.upright, .level = preparation.level};
   Preparation selecting = preparation;
-  selecting.level = false;
+  selecting.upright.reset(), selecting.level = false;
   const GaussianRecords* const gaussians = gaussiansOf(cloud);
   if (!gaussians || selecting == Preparation{})
     return preparedPoints(std::move(cloud), "point", preparation, options, report, distances);
+  if (preparation.fillHoles_mm > 0)
+    throw ConfigError("prepare.fill_holes_mm",
+                      "the holes of a splat scene cannot be closed, because new points are not Gaussians");
   const GaussianCenters centers = centersOf(*gaussians, options.threads);
   PreparedCloud result = preparedPoints(centers.cloud, "Gaussian", selecting, options, report, distances);
   result.cloud = surfacePointsOf(changedGaussians(*gaussians, centers, result.cloud, result.numbers), cloud.storedAs,
                                  options.threads);
   result.numbers.clear();
-  if (!preparation.level) return result;
-  PreparedCloud level = preparedPoints(std::move(result.cloud), "point", {.level = true}, options, report, {});
-  result.cloud = std::move(level.cloud);
-  std::ranges::move(level.steps, std::back_inserter(result.steps));
+  if (rotating == Preparation{}) return result;
+  PreparedCloud rotated = preparedPoints(std::move(result.cloud), "point", rotating, options, report, {});
+  result.cloud = std::move(rotated.cloud);
+  std::ranges::move(rotated.steps, std::back_inserter(result.steps));
   return result;
 }
 

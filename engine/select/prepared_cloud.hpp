@@ -27,7 +27,8 @@ struct PreparedStep {
 
 struct PreparedCloud {
   PointCloud cloud;
-  /// For each point the one that it was; empty if the steps were done to Gaussians.
+  /// For each point the one that it was; new points, which follow all others, have none. Empty if the steps were done
+  /// to Gaussians.
   std::vector<std::uint32_t> numbers;
   std::vector<PreparedStep> steps;
 };
@@ -37,9 +38,9 @@ struct PreparedCloud {
 double mmPerUnit(const PointCloud& cloud, double given);
 
 /// In a splat scene the steps are done to the Gaussians, whose columns are fields (`opacity > 0`), and the points are
-/// the surface of those that stay; only levelling looks for the ground in the surface. `report` is called after each
-/// step, and may throw; `distances`: of statisticalOutliers(). Points that stay keep all that no step sets, bit by bit.
-/// Throws ExpressionError, Error and Stopped.
+/// the surface of those that stay; only levelling looks for the ground in the surface, and holes are not closed.
+/// `report` is called after each step, and may throw; `distances`: of statisticalOutliers(). Points that stay keep all
+/// that no step sets, bit by bit. Throws ExpressionError, Error and Stopped.
 PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
                        const std::function<void(const PreparedStep&)>& report = {},
                        const DistanceMaker& distances = {});

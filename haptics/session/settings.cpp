@@ -55,6 +55,10 @@ constexpr Setting<Preparation> kPreparation[]{
      "",
      {.min = 1, .max = bounds::kMaxNeighbours, .orZero = true}},
     {"radius_mm", &Preparation::radius_mm, "", "length of --radius-outliers, mm", "mm", kLength},
+    {"fill_holes_mm", &Preparation::fillHoles_mm, "--fill-holes",
+     "close the holes of the surface that are nowhere wider than a length, with new points at the spacing of those "
+     "around; mm",
+     "mm", kLengthOrZero},
     {"subsample_mm", &Preparation::subsample_mm, "--subsample",
      "keep one point in each cell of a grid: the one nearest to its middle; side of a cell, mm", "mm", kLengthOrZero},
     {"random",
@@ -66,6 +70,8 @@ constexpr Setting<Preparation> kPreparation[]{
     {"seed", &Preparation::seed, "--seed", "seed of --random", "", {0, bounds::kMaxCount}},
     {"set", &Preparation::set, "--set",
      "set a field: [TYPE] NAME = NUMBER [if CONDITION], as in \"classification = 6 if z > 3\"; may be repeated"},
+    {"upright", words<&Preparation::upright, kUpAxes>(), "--upright",
+     "rotate the model by a quarter or a half so that this axis becomes z, which is up: x, y, z, -x, -y or -z"},
     {"level", &Preparation::level, "--level",
      "rotate the model so that its ground, found by shape, is level and z is up"},
 };

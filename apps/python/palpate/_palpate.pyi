@@ -51,10 +51,12 @@ class Cloud:
         outlier_sigma: float = ...,
         radius_neighbours: int = ...,
         radius_mm: float = ...,
+        fill_holes_mm: float = ...,
         subsample_mm: float = ...,
         random: int = ...,
         seed: int = ...,
         set: Sequence[str] = ...,
+        upright: str | None = ...,
         level: bool = ...,
     ) -> Cloud: ...
     def attribute(self, name: str) -> NDArray[Any]: ...

@@ -1,0 +1,38 @@
+// Holes of a scanned surface that are closed with new points.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "engine/cloud/point_cloud.hpp"
+
+namespace palpate {
+
+/// A point to be added to a cloud.
+struct NewPoint {
+  Vec3 position{0};                     ///< model units, relative to the cloud's origin
+  Vec3 normal{0};                       ///< unit
+  std::array<std::uint8_t, 4> color{};  ///< RGBA; of no meaning where the cloud has no colours
+  std::uint32_t parent = 0;             ///< the point from which it has everything else
+};
+
+struct HoleFilling {
+  std::vector<NewPoint> points;
+  std::size_t closed = 0;  ///< number of holes
+  std::size_t left = 0;    ///< others that are no wider, but whose rims fold or overlap
+};
+
+/// Points that close the holes which are nowhere wider than `widest`, model units. A hole is an empty face of
+/// SurfaceFaces, so that the outer border of an open scan is none, nor is the gap between two sheets. Its points lie on
+/// a ThinPlate over the plane of its rim, through the three rows of points around it; they are spread by Lloyd's
+/// relaxation (1982, "Least squares quantization in PCM") at the spacing of these, around any points that are in the
+/// hole already. They have the normals of that surface, the colours of the rim by distance, and the nearest point of
+/// the rim as parent. Normals of clouds without any are estimated for it. The result does not depend on `threads` (0:
+/// one per core). Throws Stopped.
+HoleFilling fillHoles(const PointCloud& cloud, double widest, unsigned threads = 0);
+
+/// Appends points to a cloud. Those that it has do not change.
+void addPoints(PointCloud& cloud, const std::vector<NewPoint>& points);
+
+}  // namespace palpate

@@ -1,0 +1,189 @@
+#include "engine/select/surface_faces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "engine/core/check.hpp"
+#include "engine/core/parallel.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kNearest = 24;    // among which neighbours are sought
+constexpr std::size_t kForSpacing = 6;  // of these, at least, where there are as many
+constexpr std::size_t kMaxListed = 12;  // neighbours that a point finds
+constexpr float kSameSheet = -0.3f;     // least cosine between normals
+constexpr float kLongest = 3.5f;        // of an edge, spacings
+constexpr std::uint32_t kNobody = ~0u;
+
+using Listed = std::array<std::uint32_t, kMaxListed>;
+
+bool lists(const Listed& listed, std::uint32_t point) { return std::ranges::find(listed, point) != listed.end(); }
+
+// The next ones of the same sheet, nearest first, without the point itself.
+class Nearest {
+ public:
+  Nearest(std::span<const Vec3> positions, std::span<const Vec3> normals, const PointTree& tree)
+      : positions_(positions), normals_(normals), tree_(tree) {}
+
+  void find(std::uint32_t point) {
+    std::array<double, kNearest + 1> squared{};
+    std::array<std::uint32_t, kNearest + 1> near{};
+    const std::size_t found = tree_.nearest(positions_[point], near, squared);
+    count_ = 0;
+    for (std::size_t k = 0; k < found; ++k) {
+      if (near[k] == point || glm::dot(normals_[point], normals_[near[k]]) < kSameSheet) continue;
+      near_[count_] = near[k];
+      offsets_[count_++] = DVec3(positions_[near[k]]) - DVec3(positions_[point]);
+    }
+  }
+  // By the discs through each of them: a single one depends on how the points are arranged.
+  float spacing() const {
+    const std::size_t first = std::min(kForSpacing, count_);
+    double sum = 0;
+    for (std::size_t k = first; k <= count_ && k > 0; ++k)
+      sum += glm::length(offsets_[k - 1]) * std::sqrt(std::numbers::pi / (static_cast<double>(k) + 0.5));
+    return static_cast<float>(sum / static_cast<double>(count_ - first + 1));
+  }
+  // A point in the ball over a diameter is nearer than its other end.
+  Listed neighbours() const {
+    Listed listed;
+    listed.fill(kNobody);
+    std::size_t count = 0;
+    for (std::size_t j = 0; j < count_ && count < listed.size(); ++j) {
+      bool isFree = true;
+      for (std::size_t k = 0; k < j && isFree; ++k) isFree = glm::dot(offsets_[k], offsets_[j] - offsets_[k]) < 0;
+      if (isFree) listed[count++] = near_[j];
+    }
+    return listed;
+  }
+
+ private:
+  std::span<const Vec3> positions_, normals_;
+  const PointTree& tree_;
+  std::size_t count_ = 0;
+  std::array<std::uint32_t, kNearest> near_{};
+  std::array<DVec3, kNearest> offsets_{};
+};
+
+// A frame around a normal: two unit vectors across, right-handed with it.
+std::pair<DVec3, DVec3> across(const DVec3& normal) {
+  const DVec3 other = std::abs(normal.z) < 0.7 ? DVec3(0, 0, 1) : DVec3(1, 0, 0);
+  const DVec3 u = glm::normalize(glm::cross(other, normal));
+  return {u, glm::cross(normal, u)};
+}
+
+}  // namespace
+
+SurfaceFaces::SurfaceFaces(std::span<const Vec3> positions, std::span<const Vec3> normals, const PointTree& tree,
+                           unsigned threads)
+    : positions_(positions), normals_(normals), spacings_(positions.size()), begins_(positions.size() + 1) {
+  const std::size_t count = positions.size();
+  std::vector<Listed> listed(count);
+  parallelFor(count, threads, [&](std::size_t begin, std::size_t end) {
+    Nearest nearest(positions, normals, tree);
+    for (std::size_t i = begin; i < end; ++i) {
+      nearest.find(static_cast<std::uint32_t>(i));
+      spacings_[i] = nearest.spacing();
+      listed[i] = nearest.neighbours();
+    }
+  });
+  // Each edge once, by the one that lists it, or by the lower number if both do.
+  const auto forEachEdge = [&](auto&& use) {
+    for (std::uint32_t i = 0; i < count; ++i)
+      for (const std::uint32_t j : listed[i]) {
+        if (j == kNobody) break;
+        if (j < i && lists(listed[j], i)) continue;
+        if (glm::distance(positions[i], positions[j]) <= kLongest * std::min(spacings_[i], spacings_[j])) use(i, j);
+      }
+  };
+  forEachEdge([&](std::uint32_t i, std::uint32_t j) { ++begins_[i + 1], ++begins_[j + 1]; });
+  for (std::size_t i = 0; i < count; ++i) begins_[i + 1] += begins_[i];
+  neighbours_.resize(begins_.back());
+  std::vector<std::size_t> next(begins_.begin(), begins_.end() - 1);
+  forEachEdge([&](std::uint32_t i, std::uint32_t j) { neighbours_[next[i]++] = j, neighbours_[next[j]++] = i; });
+  parallelFor(count, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::pair<double, std::uint32_t>> angles;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto [u, v] = across(DVec3(normals[i]));
+      angles.clear();
+      for (const std::uint32_t j : neighboursOf(static_cast<std::uint32_t>(i))) {
+        const DVec3 offset = DVec3(positions[j]) - DVec3(positions[i]);
+        angles.emplace_back(std::atan2(glm::dot(offset, v), glm::dot(offset, u)), j);
+      }
+      std::ranges::sort(angles);
+      for (std::size_t k = 0; k < angles.size(); ++k) neighbours_[begins_[i] + k] = angles[k].second;
+    }
+  });
+}
+
+std::size_t SurfaceFaces::halfEdge(std::uint32_t from, std::uint32_t to) const {
+  const auto around = neighboursOf(from);
+  return begins_[from] + static_cast<std::size_t>(std::ranges::find(around, to) - around.begin());
+}
+
+// The half-edge of the same face, which is on its left.
+std::size_t SurfaceFaces::after(std::uint32_t from, std::uint32_t to) const {
+  const std::size_t back = halfEdge(to, from);
+  return back > begins_[to] ? back - 1 : begins_[to + 1] - 1;
+}
+
+std::vector<SurfaceFaces::Face> SurfaceFaces::holes(double widest) const {
+  constexpr double kLargeShare = 0.02;                 // of the faces, that may be holes or what is next to them
+  constexpr double kOverOthers = 4, kLeastArea = 4.5;  // of the others; of the area of a point
+  std::vector<Face> wide;
+  std::vector<float> areas;  // in areas of a point
+  std::vector<float> wideAreas;
+  std::vector<std::uint8_t> isVisited(neighbours_.size());
+  Face face;
+  for (std::uint32_t first = 0; first + 1 < begins_.size(); ++first)
+    for (std::size_t begin = begins_[first]; begin < begins_[first + 1]; ++begin) {
+      if (isVisited[begin]) continue;
+      face.rim.clear();
+      face.area = DVec3(0);
+      DVec3 normals(0);
+      double spacings = 0, farthest = 0;
+      std::uint32_t from = first;
+      std::size_t at = begin;
+      do {
+        isVisited[at] = 1;
+        const std::uint32_t to = neighbours_[at];
+        const DVec3 offset = DVec3(positions_[from]) - DVec3(positions_[first]);
+        farthest = std::max(farthest, glm::dot(offset, offset));
+        if (farthest <= widest * widest) {
+          face.rim.push_back(from);
+          face.area += 0.5 * glm::cross(offset, DVec3(positions_[to]) - DVec3(positions_[first]));
+          normals += DVec3(normals_[from]);
+          spacings += spacingOf(from);
+        }
+        at = after(from, to);
+        from = to;
+      } while (at != begin);
+      if (farthest > widest * widest || face.rim.size() < 3 || glm::dot(face.area, normals) <= 0) continue;
+      const double spacing = spacings / static_cast<double>(face.rim.size());
+      const auto area = static_cast<float>(glm::length(face.area) / (spacing * spacing));
+      areas.push_back(area);
+      if (area >= kLeastArea) wide.push_back(face), wideAreas.push_back(area);
+    }
+  if (wide.empty()) return {};
+  const auto usual = areas.begin() + static_cast<std::ptrdiff_t>((1 - kLargeShare) * static_cast<double>(areas.size()));
+  std::ranges::nth_element(areas, std::min(usual, areas.end() - 1));
+  const double least = std::max(kLeastArea, kOverOthers * static_cast<double>(*std::min(usual, areas.end() - 1)));
+  std::vector<Face> holes;
+  for (std::size_t k = 0; k < wide.size(); ++k) {
+    if (static_cast<double>(wideAreas[k]) < least) continue;
+    const std::vector<std::uint32_t>& rim = wide[k].rim;
+    bool fits = true;
+    for (std::size_t i = 0; i < rim.size() && fits; ++i)
+      for (std::size_t j = 0; j < i && fits; ++j)
+        fits = glm::distance(DVec3(positions_[rim[i]]), DVec3(positions_[rim[j]])) <= widest;
+    if (fits) holes.push_back(std::move(wide[k]));
+  }
+  return holes;
+}
+
+}  // namespace palpate
