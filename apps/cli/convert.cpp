@@ -111,9 +111,9 @@ void stateUnit(Log& log, const ConvertOptions& options, const CloudFormat& to, s
   setUnit(comments, *unit);
 }
 
-// The up axis that --up gives to the file.
+// The up axis that --up gives to the file; where the model was rotated, z is up.
 void stateUp(Log& log, const ConvertOptions& options, const CloudFormat& to, std::vector<std::string>& comments) {
-  if (options.up.empty()) return;
+  if (options.up.empty() || options.prepare.preparation.upright || options.prepare.preparation.level) return;
   if (!to.hasComments)
     return log.say("{}: {} cannot hold an up axis; {} is not kept", options.output, to.name, options.up);
   setUp(comments, *valueNamed(kUpAxes, options.up));

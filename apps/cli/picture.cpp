@@ -191,29 +191,31 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
 
 }  // namespace
 
+std::optional<ColoredField> coloredField(const Context& context, const Model& model, const PicturedPoints& points,
+                                         const PictureOptions& options) {
+  if (options.color.source()) return std::nullopt;
+  const UpAxis up = uprightOf(model, options.look).up;
+  ColoredField field(options.color, points.cloud, std::vector<Field>(),
+                     FieldOptions{.mm_per_unit = mmPerUnit(points.cloud, 0), .up = up, .threads = context.threads()},
+                     unitOf(model.cloud, options.look));
+  std::vector<PointState> loaded;
+  if (points.states.empty()) loaded = statesOf(points.cloud);
+  const std::span<const PointState> states = points.states.empty() ? std::span(loaded) : points.states;
+  field.read(states, {}, shownPoints(states, {}));
+  return field;
+}
+
 void takePicture(Context& context, const Model& model, const PicturedPoints& points, DrawnCloud& drawn,
                  const PictureOptions& options, const Overlays& overlays, const std::string& file) {
   drawn.closeSurface();
-  std::optional<ColoredField> field;
-  if (!options.color.source()) {
-    const UpAxis up = uprightOf(model, options.look).up;
-    field.emplace(options.color, points.cloud, std::vector<Field>(),
-                  FieldOptions{.mm_per_unit = mmPerUnit(points.cloud, 0), .up = up, .threads = context.threads()},
-                  unitOf(model.cloud, options.look));
-    std::vector<PointState> loaded;
-    if (points.states.empty()) loaded = statesOf(points.cloud);
-    const std::span<const PointState> states = points.states.empty() ? std::span(loaded) : points.states;
-    field->read(states, {}, shownPoints(states, {}));
-    drawn.attributes().show(field->floats());
-  }
+  const std::optional<ColoredField> field = coloredField(context, model, points, options);
+  if (field) drawn.attributes().show(field->floats());
   draw(context, model, drawn, options, overlays, file, field ? &*field : nullptr);
 }
 
-void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const PictureOptions& options,
-                 const Overlays& overlays, const std::string& file) {
-  if (!options.color.source())
-    throw UsageError("--color-by: triangles have no field '{}'; use --mode splat", options.color.by);
-  draw(context, model, drawn, options, overlays, file);
+void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const ColoredField* field,
+                 const PictureOptions& options, const std::string& file) {
+  draw(context, model, drawn, options, {}, file, field);
 }
 
 }  // namespace palpate

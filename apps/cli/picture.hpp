@@ -44,14 +44,18 @@ struct PicturedPoints {
   std::span<const PointState> states;  ///< by number; empty: as in the cloud
 };
 
+/// The field that colours these points; empty: another colour does.
+std::optional<ColoredField> coloredField(const Context& context, const Model& model, const PicturedPoints& points,
+                                         const PictureOptions& options);
+
 /// Draws `drawn` (the GPU's copy of these points, made with the model's spacing) into `file`. Prints the passes on
 /// request.
 void takePicture(Context& context, const Model& model, const PicturedPoints& points, DrawnCloud& drawn,
                  const PictureOptions& options, const Overlays& overlays, const std::string& file);
 
-/// The same for a mesh of it. Throws UsageError for colours by a field.
-void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const PictureOptions& options,
-                 const Overlays& overlays, const std::string& file);
+/// The same for a mesh of it, whose vertices have the colours of `field`, if any.
+void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const ColoredField* field,
+                 const PictureOptions& options, const std::string& file);
 
 /// The passes of a recording with their threads, bytes and last GPU times.
 void printPasses(std::FILE* out, const std::vector<PassRecord>& passes);

@@ -19,10 +19,12 @@ struct RenderOptions {
   std::string output, mode = "splat";
 };
 
-void drawMesh(Context& context, const Model& model, const RenderOptions& options) {
+void drawMesh(Context& context, Model& model, const RenderOptions& options) {
+  const auto field = coloredField(context, model, {.cloud = model.cloud, .states = {}}, options.picture);
+  if (field) model.cloud.colors = field->pointColors(options.picture.color);
   MarchingCubes cubes = makeCubes(context, model, planFor(model, options.mesh));
   cubes.build();
-  takePicture(context, model, drawnMesh(cubes, model), options.picture, {}, options.output);
+  takePicture(context, model, drawnMesh(cubes, model), field ? &*field : nullptr, options.picture, options.output);
 }
 
 void render(Context& context, const RenderOptions& options) {
@@ -32,7 +34,7 @@ void render(Context& context, const RenderOptions& options) {
     throw UsageError("model: is required; name a file, or a session with --join");
   const ModelConfig chosen = chosenModel(options.model, options.stream, options.join, context.log());
   validate(SessionConfig{.model = chosen, .realtime = chosen.stream && chosen.stream->live});
-  const Model model = loadModel(context, chosen, EstimateOn::gpu, &options.join.network);
+  Model model = loadModel(context, chosen, EstimateOn::gpu, &options.join.network);
   if (model.cloud.empty()) throw FileError(chosen.file, "contains no points; there is nothing to draw");
   if (options.mode == "mesh") {
     drawMesh(context, model, options);

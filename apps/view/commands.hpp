@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "engine/render/camera_motion.hpp"
+#include "engine/select/preparation.hpp"
+#include "haptics/session/session_config.hpp"
 #include "haptics/session/unsaved_strokes.hpp"
 
 namespace palpate {
@@ -20,7 +22,7 @@ enum class StylusCommand { hold, letGo, lockOrUnlock, putAway };
 /// its key are then left out.
 enum class BrushCommand { dragSize, dragStrength, cancelStroke };
 
-/// Commands to the window; the last four do nothing without a model.
+/// Commands to the window; the last four do nothing without a model. stopReading: also ends cleaning.
 enum class WindowCommand {
   quit,
   stopReading,
@@ -122,6 +124,13 @@ struct SelectWhere {
   std::optional<std::string> condition;
   bool adds = false, removes = false;
 };
+/// Cleans the model: one step of a preparation, or its normals. Points that the step would drop are selected: added to,
+/// or removed from, those that are; with both flags it keeps what was selected before.
+struct CleanModel {
+  Preparation step;
+  std::optional<NormalSource> normals = {};
+  bool adds = false, removes = false;
+};
 /// Range of the colours, as typed.
 struct SetColorRange {
   std::string text;
@@ -146,10 +155,11 @@ struct CopyText {
   std::string text;
 };
 
-using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, BrushCommand, SelectCommand, Answer,
-                                 FileCommand, BrowseCommand, ModelSide, LookAlong, SetParameter, SetValue, SelectVolume,
-                                 SetVolume, FlipPlane, MirrorAtPlane, MoveSelection, KeepSelection, SelectWhere,
-                                 SetColorRange, SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
+using ViewCommand =
+    std::variant<WindowCommand, ModelCommand, StylusCommand, BrushCommand, SelectCommand, Answer, FileCommand,
+                 BrowseCommand, ModelSide, LookAlong, SetParameter, SetValue, SelectVolume, SetVolume, FlipPlane,
+                 MirrorAtPlane, MoveSelection, KeepSelection, SelectWhere, CleanModel, SetColorRange, SetTrueLength,
+                 DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

@@ -171,6 +171,7 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
   drawDevice(status);
   if (status.session) {
     drawTool(status, settings);
+    drawClean(status, settings.clean);
     drawColor(status, settings);
     drawFeel(status, settings.feel, settings.forcesOn);
     drawMatter(status);
@@ -202,7 +203,11 @@ void Panels::drawModel(const ViewStatus& status) {
   }
   if (status.loading) {
     ImGui::TextUnformatted(status.loadingWhat.c_str());
-    ImGui::ProgressBar(static_cast<float>(*status.loading), {-1, 0});
+    // Where the progress is unknown, the bar shows that the work goes on.
+    if (*status.loading == ViewStatus::kUnknown)
+      ImGui::ProgressBar(static_cast<float>(std::fmod(ImGui::GetTime(), 1)), {-1, 0}, "");
+    else
+      ImGui::ProgressBar(static_cast<float>(*status.loading), {-1, 0});
     if (status.isStoppable) post(button("Cancel##reading"), WindowCommand::stopReading);
     if (status.isStoppable) help("Esc");
   }

@@ -31,7 +31,8 @@ struct OpenedDevice;
 /// State of the window, as the panels show it.
 struct ViewStatus {
   const WindowSession* session = nullptr;  ///< null: no model is open
-  std::optional<double> loading;           ///< progress, 0 to 1
+  static constexpr double kUnknown = -1;
+  std::optional<double> loading;  ///< progress of loading or cleaning, 0 to 1, or kUnknown
   std::string loadingWhat;
   bool isStoppable = false;          ///< the loading
   std::vector<std::string> remarks;  ///< newest last; each is shown for a while
@@ -153,6 +154,8 @@ class Panels {
   void drawLabel(SelectSettings& select);
   void drawWhere(const ViewStatus& status);
   void drawColor(const ViewStatus& status, WindowSettings& settings);
+  void drawClean(const ViewStatus& status, CleanSettings& clean);
+  void drawCleanNumber(const ViewStatus& status, CleanSettings& clean, std::string_view name, float indent);
   void drawField(const ColoredField& field, ColorConfig& color);
   void drawHistogram(const ColoredField& field, ColorConfig& color);
   void drawCounts(const SelectionCounts& counts);

@@ -86,8 +86,9 @@ void Panels::drawMessages(const ViewStatus& status, const WindowSettings& settin
     lines.insert(lines.begin(), "stylus: press with the left button");
   if (view.measures && status.session) lines.insert(lines.begin(), measureLine(status));
   if (!view.panels && status.loading)
-    lines.push_back(fmt::format("{}, {:.0f} %{}", status.loadingWhat, 100 * *status.loading,
-                                status.isStoppable ? " (Esc cancels)" : ""));
+    lines.push_back(status.loadingWhat +
+                    (*status.loading == ViewStatus::kUnknown ? "" : fmt::format(", {:.0f} %", 100 * *status.loading)) +
+                    (status.isStoppable ? " (Esc cancels)" : ""));
   lines.insert(lines.end(), status.notices.begin(), status.notices.end());
   if (!status.blocked.empty()) lines.push_back(status.blocked);
   if (lines.empty() && status.session) lines.push_back(hintFor(settings) + (view.panels ? "" : ",  Tab for panels"));

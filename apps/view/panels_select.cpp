@@ -206,6 +206,8 @@ void Panels::drawSelected(const ViewStatus& status, SelectSettings& select) {
   post(button("Set value", width) && select.value[0], SetValue{select.field.data(), select.value.data()});
   help("gives the selected points the value above");
   ImGui::EndDisabled();
+  checkbox("open beside", select.opensBeside);
+  help("what Export and Separate write is opened in another window");
 }
 
 // Over the model: dark and light, so that it is seen on any colour.

@@ -40,6 +40,8 @@ constexpr ScriptEvent kEvents[]{
     {"volume", "NUMBERS", "places the box, ball or plane that selects: as typed in the panel"},
     {"move", "X,Y,Z [A,B,C [FACTOR]]", "moves the selected points, rotates them by degrees about x, y and z, scales"},
     {"where", "CONDITION", "selects the points for which an expression of their fields holds"},
+    {"clean", "{STEP}|normals HOW",
+     "does one step that cleans, as in {\"fill_holes_mm\": 5}, or estimates, orients, flips"},
     {"record", "[FILE]", "records a session log; without a file: ends it"},
     {"replay", "FILE", "plays a session log"},
     {"impatient", "", "keeps the clock running while a model is loaded or saved"},
@@ -174,6 +176,20 @@ std::string written(Line& line, const std::function<void(const std::string&)>& k
   return file;
 }
 
+CleanModel cleanOf(Line& line) {
+  const std::string step = line.rest("the step");
+  if (const std::string_view how = step; how.starts_with("normals ")) {
+    const auto normals = valueNamed(kNormalSources, how.substr(how.find(' ') + 1));
+    if (!normals) line.fail("normals: estimate, orient or flip");
+    return {.step = {}, .normals = normals};
+  }
+  try {
+    return {.step = parsePreparation(step)};
+  } catch (const Error& error) {
+    line.fail(error.what());
+  }
+}
+
 ScriptAction actionOf(Line& line, const std::string& what) {
   if (what == "mouse") {
     const double x = line.number("x");
@@ -208,6 +224,7 @@ ScriptAction actionOf(Line& line, const std::string& what) {
     return ViewCommand(move);
   }
   if (what == "where") return ViewCommand(SelectWhere{.condition = line.rest("the condition")});
+  if (what == "clean") return ViewCommand(cleanOf(line));
   if (what == "record" && line.atEnd()) return ViewCommand(ModelCommand::endRecording);
   if (what == "record") return ViewCommand(FileCommand{FileTask::record, line.rest("the file")});
   if (what == "replay") return ViewCommand(FileCommand{FileTask::play, line.rest("the file")});

@@ -7,9 +7,12 @@
 #include <limits>
 #include <utility>
 
+#include "apps/cli/run_program.hpp"
+#include "apps/cli/system_places.hpp"
 #include "engine/cloud/las_classes.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/start_thread.hpp"
 #include "engine/io/saving.hpp"
 #include "engine/select/expression.hpp"
 #include "engine/select/prepared_cloud.hpp"
@@ -247,6 +250,10 @@ std::string exportSelection(WindowSession& session, const std::string& document,
   if (!lost.empty()) remark += ": " + lost;
   if (!kept.empty()) remark += "; the old file is kept as " + kept.string();
   return separates ? remark + "; " + removed(session) : remark;
+}
+
+void openInAnotherWindow(const std::string& file) {
+  startThread([program = programFile().string(), file] { runProgram(program, {"view", file}); }).detach();
 }
 
 const SelectionCounts& CountedSelection::of(const WindowSession& session) {

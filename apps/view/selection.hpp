@@ -43,6 +43,9 @@ std::string label(WindowSession& session, const PointBits& found, const SetValue
 std::string exportSelection(WindowSession& session, const std::string& document, const std::string& file,
                             bool separates);
 
+/// Opens a file in a window of another process of this program, and does not wait for it.
+void openInAnotherWindow(const std::string& file);
+
 /// Counts again only when masks or points have changed.
 class CountedSelection {
  public:

@@ -88,12 +88,24 @@ struct SelectSettings {
   int colorStep = 24;          ///< largest difference in red, green and blue each, of 255
   /// What `label` and the button Set value set, as typed.
   std::array<char, 512> field{"classification"}, value{};
+  bool opensBeside = false;  ///< exported points in a window of their own
+};
+
+/// The numbers of the steps that clean a model; each is done alone.
+struct CleanSettings : Preparation {
+  CleanSettings() {
+    outlierNeighbours = 8, radiusNeighbours = 4;
+    fillHoles_mm = 5;
+    subsample_mm = 1, random = 100'000;
+    upright = UpAxis::y;
+  }
 };
 
 /// All settings.
 struct WindowSettings {
   WindowTool tool = WindowTool::sculpt;
   SelectSettings select;
+  CleanSettings clean;
   ViewSettings view;
   BrushSettings brush;
   FeelSettings feel;

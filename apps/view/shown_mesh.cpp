@@ -6,20 +6,37 @@
 #include "apps/cli/mesh_options.hpp"
 #include "apps/view/session.hpp"
 #include "engine/core/clock.hpp"
+#include "haptics/session/colored_field.hpp"
 
 namespace palpate {
 
-bool ShownMesh::follow(const WindowSession& session, std::uint32_t resolution, std::span<const PointState> edited) {
+bool ShownMesh::follow(const WindowSession& session, std::uint32_t resolution, const EditBatch& edited,
+                       const ColoredField* field, const ColorConfig& color) {
   const Stopwatch watch;
-  if (!mesh_ || resolution_ != resolution) {
+  const PointStates& points = session.history().points();
+  const bool isNew = !mesh_ || resolution_ != resolution;
+  if (isNew) {
     if (sight_.isCpu() && !std::exchange(isAnnounced_, true)) return false;
     isAnnounced_ = false;
     make(session, resolution);
-    hide(session);
-  } else {
-    if (!edited.empty()) mesh_->update(edited);
-    if (!hide(session) && edited.empty()) return true;
   }
+  // A stroke changes no colours but those of its points.
+  FieldColors shown = field ? field->colors(color) : FieldColors();
+  const bool isNumbered = std::exchange(shown_.version, shown.version) != shown.version;
+  const std::string by = field ? color.by : std::string();
+  const bool isRecolored = isNew || by != by_ || (field && (shown != shown_ || color.mapOf() != map_)) ||
+                           (isNumbered && edited.points.empty());
+  if (isRecolored || isNumbered)
+    colors_ = field ? field->pointColors(color) : std::vector<std::array<std::uint8_t, 4>>();
+  const bool had = !std::exchange(by_, by).empty();
+  map_ = color.mapOf(), shown_ = shown;
+  std::vector<PointState> states = hidden(session);
+  if (isRecolored && (field || had || (isNew && session.edits() > 0)))
+    states.assign(points.begin(), points.end());
+  else
+    states.insert(states.begin(), edited.points.begin(), edited.points.end());
+  if (states.empty() && !isNew) return true;
+  update(std::move(states));
   ++version_;
   time_ms_ = watch.elapsed_us() * 1e-3;
   return true;
@@ -37,23 +54,24 @@ void ShownMesh::make(const WindowSession& session, std::uint32_t resolution) {
   mesh_ = std::make_unique<MarchingCubes>(sight_, model.cloud, plan, static_cast<std::uint32_t>(spare), true);
   resolution_ = resolution;
   mesh_->build();
-  if (session.edits() > 0) mesh_->update(points);
 }
 
-bool ShownMesh::hide(const WindowSession& session) {
+std::vector<PointState> ShownMesh::hidden(const WindowSession& session) {
   const PointSet& hidden = session.attributes().mask(MaskRole::hidden);
-  if (hidden == hidden_) return false;
-  PointSet flipped = hidden_;
-  flipped.flip(hidden);
   std::vector<PointState> states;
-  const PointStates& points = session.history().points();
-  flipped.forEach([&](std::uint64_t point) {
-    states.push_back(points[point]);
-    states.back().gone |= hidden.test(point);
-  });
-  mesh_->update(states);
-  hidden_ = hidden;
-  return true;
+  if (hidden == hidden_) return states;
+  PointSet flipped = std::exchange(hidden_, hidden);
+  flipped.flip(hidden);
+  flipped.forEach([&](std::uint64_t point) { states.push_back(session.history().points()[point]); });
+  return states;
+}
+
+void ShownMesh::update(std::vector<PointState> states) {
+  for (PointState& state : states) {
+    state.gone |= hidden_.test(state.number);
+    if (state.number < colors_.size()) state.color = packedColor(colors_[state.number]);
+  }
+  if (!states.empty()) mesh_->update(states);
 }
 
 std::filesystem::path ShownMesh::write(const std::string& file, std::vector<std::string>& lost) const {

@@ -7,12 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/edit_batch.hpp"
 #include "engine/core/point_set.hpp"
 #include "engine/mesh/marching_cubes.hpp"
 #include "engine/render/frame.hpp"
 
 namespace palpate {
 
+class ColoredField;
+struct ColorConfig;
 class WindowSession;
 
 /// Rebuilt when another resolution is requested; otherwise updated where points are edited.
@@ -20,9 +23,11 @@ class ShownMesh {
  public:
   explicit ShownMesh(Device& sight) : sight_(sight) {}
 
-  /// `edited`: point states since the last call. False if a rebuild is only announced: on a software driver it takes
-  /// so long that a frame with a message is shown first. Throws what the rebuild throws.
-  bool follow(const WindowSession& session, std::uint32_t resolution, std::span<const PointState> edited);
+  /// `edited`: changes since the last call. `field`: what colours the points; null: their own colours do. False if a
+  /// rebuild is only announced: on a software driver it takes so long that a frame with a message is shown first. Throws
+  /// what the rebuild throws.
+  bool follow(const WindowSession& session, std::uint32_t resolution, const EditBatch& edited,
+              const ColoredField* field, const ColorConfig& color);
   void clear();
 
   bool isAnnounced() const { return isAnnounced_; }  ///< the next follow() rebuilds the mesh
@@ -37,12 +42,18 @@ class ShownMesh {
 
  private:
   void make(const WindowSession& session, std::uint32_t resolution);
-  // Leaves hidden points out, and takes shown ones in. Whether some have changed.
-  bool hide(const WindowSession& session);
+  // Leaves hidden points out, and takes shown ones in.
+  std::vector<PointState> hidden(const WindowSession& session);
+  void update(std::vector<PointState> states);
 
   Device& sight_;
   std::unique_ptr<MarchingCubes> mesh_;
   PointSet hidden_;  // that it leaves out
+  // The colours of all points by a field, and what they show; empty: their own.
+  std::vector<std::array<std::uint8_t, 4>> colors_;
+  std::string by_;
+  ColorMap map_{};
+  FieldColors shown_;
   std::uint32_t resolution_ = 0;
   std::uint64_t version_ = 0;
   double time_ms_ = 0;

@@ -51,7 +51,7 @@ void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measur
   if (!view.mesh) return mesh_.clear();
   try {
     if (session.config().moves()) throw Error("a moving model cannot be shown as triangles");
-    if (!mesh_.follow(session, static_cast<std::uint32_t>(view.resolution), edited_.points))
+    if (!mesh_.follow(session, static_cast<std::uint32_t>(view.resolution), edited_, field(), view.color))
       messages.say("making the triangles");
   } catch (const DeviceLost&) {
     throw;

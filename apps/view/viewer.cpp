@@ -40,6 +40,7 @@ Viewer::~Viewer() { screen_.waitForLast(); }
 
 void Viewer::run() {
   while (closing_ != Closing::done && !StopBySignal::requested()) step();
+  clean_.cancel();
   const bool isDone = closing_ == Closing::done;
   document_.close(!isDone);
   if (isDone) return;
@@ -87,9 +88,10 @@ double Viewer::wait_s() {
   const WindowSession* session = document_.session();
   const bool moves = session && (session->config().moves() || session->config().model.join || session->isPlaying());
   if (!script_.isOver() && script_.hasOwnClock()) return 0;
-  return !events_.isEmpty() ? 0
-                            : pace_.wait_s(moves || pointing_.mayMove() || document_.isBusy() || !script_.isOver() ||
-                                           held_.stage() != HeldDevice::Stage::mouse || held_.isLooking());
+  return !events_.isEmpty()
+             ? 0
+             : pace_.wait_s(moves || pointing_.mayMove() || document_.isBusy() || clean_.isRunning() ||
+                            !script_.isOver() || held_.stage() != HeldDevice::Stage::mouse || held_.isLooking());
 }
 
 // The window system does not tell when events came: they are spread over the time since the last look.
@@ -168,7 +170,9 @@ void Viewer::followTool() {
 bool Viewer::scriptWaits() const {
   const bool saves = script_.hasOwnClock() && document_.session() && document_.session()->isSaving();
   const bool isUnseen = script_.isAboutToPress() && !events_.hasSeen();
-  return ((document_.isBusy() || shown_.mesh().isAnnounced() || saves) && !script_.isImpatient()) || isUnseen;
+  return ((document_.isBusy() || clean_.isRunning() || shown_.mesh().isAnnounced() || saves) &&
+          !script_.isImpatient()) ||
+         isUnseen;
 }
 
 void Viewer::playScript(double sinceLast_s) {
@@ -264,6 +268,7 @@ void Viewer::carryOut(const ViewCommand& command) {
   carryOutVolume(command);
   if (const auto* keep = std::get_if<KeepSelection>(&command)) messages_.say(palpate::carryOut(*keep, *session));
   if (const auto* where = std::get_if<SelectWhere>(&command)) carryOut(*where);
+  if (const auto* clean = std::get_if<CleanModel>(&command)) clean_.begin(*session, *clean, up);
   if (const auto* range = std::get_if<SetColorRange>(&command)) carryOut(*range);
   // Opens the model again at the scale that gives the measure this length.
   if (const auto* length = std::get_if<SetTrueLength>(&command)) document_.openAtScale(measure_.scaleFor(length->text));
@@ -271,7 +276,7 @@ void Viewer::carryOut(const ViewCommand& command) {
 
 void Viewer::carryOut(WindowCommand command) {
   if (command == WindowCommand::quit) closing_ = Closing::asked;
-  if (command == WindowCommand::stopReading) document_.stopReading();
+  if (command == WindowCommand::stopReading) document_.stopReading(), clean_.stop();
   if (command == WindowCommand::closeErrors) messages_.closeErrors();
   if (command == WindowCommand::forgetMeasure) measure_.forget();
   if (command == WindowCommand::switchForces) {
@@ -310,9 +315,11 @@ void Viewer::carryOut(const FileCommand& command) {
   if (!document_.session()) return;
   if (command.task == FileTask::saveAs) document_.saveTo(command.file);
   if (command.task == FileTask::exportMesh) exportMesh(command.file);
-  if (command.task == FileTask::exportSelection || command.task == FileTask::separate)
+  if (command.task == FileTask::exportSelection || command.task == FileTask::separate) {
     messages_.say(
         exportSelection(*document_.session(), document_.file(), command.file, command.task == FileTask::separate));
+    if (settings_.select.opensBeside) openInAnotherWindow(command.file);
+  }
   if (command.task == FileTask::record) document_.record(command.file);
   if (command.task == FileTask::play) document_.play(command.file);
 }
@@ -334,6 +341,7 @@ void Viewer::turnModel() {
 
 // The GPU draws nothing of the present model until the next one is there: its last picture stays.
 void Viewer::rest() {
+  clean_.cancel();
   pointing_.endStroke(pointed());
   screen_.waitForLast();
   shown_.forget();
@@ -444,6 +452,7 @@ void Viewer::followSession() {
   if (!session || document_.isGivingWay()) return;
   if (const auto failure = session->follow()) sayLost(*failure);
   document_.follow();
+  messages_.tryTo([&] { followCleaning(*session); });
   followName();
   brushNotes_.notePaint(*session, settings_.view, messages_);
   brushNotes_.noteBlocked(*session, now_s_);

@@ -2,6 +2,7 @@
 
 #include "apps/view/brush_in_hand.hpp"
 #include "apps/view/brush_notes.hpp"
+#include "apps/view/clean_task.hpp"
 #include "apps/view/document.hpp"
 #include "apps/view/event_queue.hpp"
 #include "apps/view/gui.hpp"
@@ -64,6 +65,7 @@ class Viewer {
   void carryOut(SelectCommand command);
   bool carryOut(BrushCommand command);
   void carryOut(const SelectWhere& command);
+  void followCleaning(WindowSession& session);
   void carryOut(const SetColorRange& command);
   void load();
   void rest();
@@ -120,6 +122,7 @@ class Viewer {
   PointingDevices pointing_;
   BrushInHand inHand_;
   SelectTool select_;
+  CleanTask clean_;
   CountedSelection selection_;
   std::string whereError_;  // of the last condition
   Measure measure_;

@@ -46,6 +46,15 @@ void Viewer::carryOut(const SelectWhere& command) {
   }
 }
 
+void Viewer::followCleaning(WindowSession& session) {
+  const auto done = clean_.follow(session);
+  if (!done) return;
+  messages_.say(done->remark);
+  if (!done->isUpright) return;
+  settings_.view.up = UpAxis::z;
+  settings_.view.front.reset();
+}
+
 void Viewer::carryOut(const SetColorRange& command) {
   if (!shown_.field()) return;
   ColorConfig next = settings_.view.color;

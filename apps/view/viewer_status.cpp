@@ -54,6 +54,11 @@ ViewStatus Viewer::status() {
     status.loadingWhat = loader.stage();
     status.isStoppable = document_.isStoppable();
   }
+  if (clean_.isRunning() && !status.loading) {
+    status.loading = ViewStatus::kUnknown;
+    status.loadingWhat = clean_.stage();
+    status.isStoppable = true;
+  }
   status.remarks = messages_.remarks();
   status.notices = notices();
   status.blocked = brushNotes_.blocked();

@@ -165,6 +165,21 @@ decltype(auto) withValue(const Setting<Section>& setting, auto& section, auto&& 
                     setting.member);
 }
 
+/// Gives a member the value that it has in another section.
+template <class Section>
+void copySetting(const Setting<Section>& setting, const Section& from, Section& to) {
+  std::visit(Overloaded{[&](const WordMember<Section>& words) {
+                          const std::string_view name = words.name(from);
+                          if (!name.empty())
+                            words.choose(to, name);
+                          else if (words.clear)
+                            words.clear(to);
+                        },
+                        [&](const PartMember<Section>& member) { member.of(to) = member.in(from); },
+                        [&](auto member) { to.*member = from.*member; }},
+             setting.member);
+}
+
 /// Calls `use` with each number that has bounds, its setting and, for a vector, once for each axis.
 template <class Rows, class Section>
 void forEachBounded(const Rows& rows, const Section& section, auto&& use) {

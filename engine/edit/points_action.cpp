@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/core/error.hpp"
+#include "engine/core/packed_state.hpp"
 #include "engine/core/tool_shape.hpp"
 
 namespace palpate {
@@ -69,13 +70,21 @@ std::string bytesIn(const PointsAction& action, const PointSet& points) {
     const MoveNumbers numbers = numbersOf(*move);
     append(bytes, &numbers, sizeof numbers);
   }
+  if (const auto* const set = std::get_if<SetPoints>(&action)) {
+    const std::uint64_t count = set->states.size();
+    append(bytes, &count, sizeof count);
+    for (const PointState& state : set->states) {
+      const PackedState packed = packedState(state);
+      append(bytes, &packed, sizeof packed);
+    }
+  }
   const std::vector<std::uint64_t> words = points.words();
   if (!words.empty()) append(bytes, words.data(), words.size() * sizeof words[0]);
   return bytes;
 }
 
 std::optional<std::pair<PointsAction, PointSet>> readPointsAction(std::string_view bytes) {
-  std::uint64_t kind = 0, color = 0;
+  std::uint64_t kind = 0, color = 0, count = 0;
   MoveNumbers n{};
   if (!take(bytes, kind) || kind >= std::variant_size_v<PointsAction>) return std::nullopt;
   PointsAction action;
@@ -85,6 +94,12 @@ std::optional<std::pair<PointsAction, PointSet>> readPointsAction(std::string_vi
   } else if (kind == PointsAction(MovePoints()).index()) {
     if (!take(bytes, n)) return std::nullopt;
     action = MovePoints{{n[0], n[1], n[2], n[3]}, n[4], {n[5], n[6], n[7]}};
+  } else if (kind == PointsAction(SetPoints()).index()) {
+    if (!take(bytes, count) || count > bytes.size() / sizeof(PackedState)) return std::nullopt;
+    SetPoints set;
+    PackedState packed;
+    while (set.states.size() < count && take(bytes, packed)) set.states.push_back(stateOf(packed));
+    action = std::move(set);
   }
   std::vector<std::uint64_t> words(bytes.size() / sizeof(std::uint64_t));
   if (!words.empty()) std::memcpy(words.data(), bytes.data(), words.size() * sizeof words[0]);

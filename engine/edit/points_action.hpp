@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "engine/core/point_set.hpp"
 #include "engine/core/point_state.hpp"
@@ -28,14 +29,20 @@ struct MovePoints {
   }
   DVec3 operator()(const DVec3& position) const { return offset + scale * (rotation * position); }
 };
-using PointsAction = std::variant<RemovePoints, PaintPoints, MovePoints>;
+/// To these states, each of another point: existing ones, and new ones, whose numbers follow those of all points in
+/// order.
+struct SetPoints {
+  std::vector<PointState> states;
+};
+using PointsAction = std::variant<RemovePoints, PaintPoints, MovePoints, SetPoints>;
 
-/// The state of an existing point after the action.
+/// The state of an existing point after the action; of SetPoints that before.
 PointState stateAfter(const PointState& state, const PointsAction& action);
-/// Throws UsageError for a rotation that is not unit, a scale that is not positive, and numbers that are not finite.
+/// Throws UsageError for a rotation that is not unit, a scale that is not positive, and numbers that are not finite; of
+/// SetPoints nothing.
 void validate(const PointsAction& action);
 
-/// To bytes for a log, and back; nothing if they are not those of an action.
+/// To bytes for a log, and back; nothing if they are not those of an action. The set is of no meaning for SetPoints.
 std::string bytesIn(const PointsAction& action, const PointSet& points);
 std::optional<std::pair<PointsAction, PointSet>> readPointsAction(std::string_view bytes);
 

@@ -72,10 +72,7 @@ class Preparer {
     const HoleFilling filling = palpate::fillHoles(cloud(), widest, options_.threads);
     addPoints(result_.cloud, filling.points);
     result_.numbers.resize(cloud().size(), kNew);
-    std::string what =
-        fmt::format("closes {} with {}", counted(filling.closed, "hole"), counted(filling.points.size(), "new point"));
-    if (filling.left > 0) what += fmt::format("; leaves {} open, whose rim folds", filling.left);
-    done("prepare.fill_holes_mm", before, std::move(what));
+    done("prepare.fill_holes_mm", before, inWords(filling));
   }
   void rotateUp(UpAxis up) {
     rotateToZ(result_.cloud, directionOf(up));
@@ -199,9 +196,7 @@ PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const F
   const GaussianRecords* const gaussians = gaussiansOf(cloud);
   if (!gaussians || selecting == Preparation{})
     return preparedPoints(std::move(cloud), "point", preparation, options, report, distances);
-  if (preparation.fillHoles_mm > 0)
-    throw ConfigError("prepare.fill_holes_mm",
-                      "the holes of a splat scene cannot be closed, because new points are not Gaussians");
+  if (preparation.fillHoles_mm > 0) throw ConfigError("prepare.fill_holes_mm", "{}", kGaussiansKeepHoles);
   const GaussianCenters centers = centersOf(*gaussians, options.threads);
   PreparedCloud result = preparedPoints(centers.cloud, "Gaussian", selecting, options, report, distances);
   result.cloud = surfacePointsOf(changedGaussians(*gaussians, centers, result.cloud, result.numbers), cloud.storedAs,

@@ -6,7 +6,10 @@
 #include <numbers>
 #include <utility>
 
+#include "engine/cloud/gaussian_records.hpp"
 #include "engine/cloud/normals.hpp"
+#include "engine/core/counted.hpp"
+#include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/select/surface_faces.hpp"
 #include "engine/select/thin_plate.hpp"
@@ -35,9 +38,8 @@ class Hole {
  public:
   Hole(const Surface& surface, const SurfaceFaces& faces, const SurfaceFaces::Face& face)
       : surface_(surface), faces_(faces), rim_(face.rim), w_(glm::normalize(face.area)) {
-    const DVec3 other = std::abs(w_.z) < 0.7 ? DVec3(0, 0, 1) : DVec3(1, 0, 0);
-    u_ = glm::normalize(glm::cross(other, w_));
-    v_ = glm::cross(w_, u_);
+    const Frame3 frame = frameAround(w_);
+    u_ = frame.u, v_ = frame.v;
     for (const std::uint32_t each : rim_) middle_ += DVec3(surface.positions[each]) / static_cast<double>(rim_.size());
     area_ = glm::length(face.area);
   }
@@ -264,7 +266,16 @@ std::vector<Vec3> normalsOf(const PointCloud& cloud, unsigned threads) {
 
 }  // namespace
 
+std::string inWords(const HoleFilling& filling) {
+  std::string words =
+      fmt::format("closes {} with {}", counted(filling.closed, "hole"), counted(filling.points.size(), "new point"));
+  if (filling.left > 0)
+    words += fmt::format("; {} left open, whose rim folds", counted(filling.left, "hole is", "holes are"));
+  return words;
+}
+
 HoleFilling fillHoles(const PointCloud& cloud, double widest, unsigned threads) {
+  if (gaussiansOf(cloud)) throw Error("{}", kGaussiansKeepHoles);
   HoleFilling filling;
   Places places = distinctPlaces(cloud.positions);
   const std::size_t count = places.positions.size();

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -23,13 +25,20 @@ struct HoleFilling {
   std::size_t left = 0;    ///< others that are no wider, but whose rims fold or overlap
 };
 
+/// Why a splat scene is refused.
+inline constexpr std::string_view kGaussiansKeepHoles =
+    "the holes of a splat scene cannot be closed, because new points are not Gaussians";
+
+/// "closes 3 holes with 120 new points".
+std::string inWords(const HoleFilling& filling);
+
 /// Points that close the holes which are nowhere wider than `widest`, model units. A hole is an empty face of
 /// SurfaceFaces, so that the outer border of an open scan is none, nor is the gap between two sheets. Its points lie on
 /// a ThinPlate over the plane of its rim, through the three rows of points around it; they are spread by Lloyd's
 /// relaxation (1982, "Least squares quantization in PCM") at the spacing of these, around any points that are in the
 /// hole already. They have the normals of that surface, the colours of the rim by distance, and the nearest point of
 /// the rim as parent. Normals of clouds without any are estimated for it. The result does not depend on `threads` (0:
-/// one per core). Throws Stopped.
+/// one per core). Throws Stopped, and Error for a splat scene.
 HoleFilling fillHoles(const PointCloud& cloud, double widest, unsigned threads = 0);
 
 /// Appends points to a cloud. Those that it has do not change.

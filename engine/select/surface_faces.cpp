@@ -70,13 +70,6 @@ class Nearest {
   std::array<DVec3, kNearest> offsets_{};
 };
 
-// A frame around a normal: two unit vectors across, right-handed with it.
-std::pair<DVec3, DVec3> across(const DVec3& normal) {
-  const DVec3 other = std::abs(normal.z) < 0.7 ? DVec3(0, 0, 1) : DVec3(1, 0, 0);
-  const DVec3 u = glm::normalize(glm::cross(other, normal));
-  return {u, glm::cross(normal, u)};
-}
-
 }  // namespace
 
 SurfaceFaces::SurfaceFaces(std::span<const Vec3> positions, std::span<const Vec3> normals, const PointTree& tree,
@@ -109,11 +102,11 @@ SurfaceFaces::SurfaceFaces(std::span<const Vec3> positions, std::span<const Vec3
   parallelFor(count, threads, [&](std::size_t begin, std::size_t end) {
     std::vector<std::pair<double, std::uint32_t>> angles;
     for (std::size_t i = begin; i < end; ++i) {
-      const auto [u, v] = across(DVec3(normals[i]));
+      const Frame3 frame = frameAround(DVec3(normals[i]));
       angles.clear();
       for (const std::uint32_t j : neighboursOf(static_cast<std::uint32_t>(i))) {
         const DVec3 offset = DVec3(positions[j]) - DVec3(positions[i]);
-        angles.emplace_back(std::atan2(glm::dot(offset, v), glm::dot(offset, u)), j);
+        angles.emplace_back(std::atan2(glm::dot(offset, frame.v), glm::dot(offset, frame.u)), j);
       }
       std::ranges::sort(angles);
       for (std::size_t k = 0; k < angles.size(); ++k) neighbours_[begins_[i] + k] = angles[k].second;

@@ -149,6 +149,21 @@ FieldColors ColoredField::colors(const ColorConfig& config) const {
   return {.low = low, .high = high, .version = version_};
 }
 
+std::vector<std::array<std::uint8_t, 4>> ColoredField::pointColors(const ColorConfig& config) const {
+  const auto [low, high] = range(config);
+  const auto map = static_cast<std::uint32_t>(config.mapOf());
+  std::vector<std::array<std::uint8_t, 4>> colors;
+  colors.reserve(field_.numbers().size());
+  for (const float number : field_.numbers()) {
+    const Vec3 color = std::isnan(number)
+                           ? shared::kNoNumberColor
+                           : shared::numberColor(map, number, static_cast<float>(low), static_cast<float>(high));
+    const auto byte = [](float part) { return static_cast<std::uint8_t>(std::lround(255 * part)); };
+    colors.push_back({byte(color.x), byte(color.y), byte(color.z), 255});
+  }
+  return colors;
+}
+
 Legend ColoredField::legend(const ColorConfig& config) const {
   Legend legend{.heading = heading(), .map = config.mapOf(), .marks = {}, .entries = {}};
   constexpr std::size_t kMaxEntries = 14;

@@ -83,6 +83,8 @@ class ColoredField {
   std::pair<double, double> range(const ColorConfig& config) const;
   /// For FrameOptions, with what floats() returned last.
   FieldColors colors(const ColorConfig& config) const;
+  /// RGBA8 of each point by number, as pictures show it: for surfaces that are made of the points. Throws UsageError.
+  std::vector<std::array<std::uint8_t, 4>> pointColors(const ColorConfig& config) const;
   std::vector<float> floats() const { return {field_.numbers().begin(), field_.numbers().end()}; }
   Legend legend(const ColorConfig& config) const;
 

@@ -216,7 +216,7 @@ void Session::setField(std::string_view name, ScalarType type, const PointSet& p
 
 void Session::changePoints(const PointSet& points, const PointsAction& action) {
   constexpr std::array<std::pair<Action, const char*>, std::variant_size_v<PointsAction>> kActionOf{
-      {{Action::carve, "remove"}, {Action::paint, "paint"}, {Action::sculpt, "move"}}};
+      {{Action::carve, "remove"}, {Action::paint, "paint"}, {Action::sculpt, "move"}, {Action::sculpt, "set"}}};
   const char* const name = kActionOf[action.index()].second;
   attributesFor(kActionOf[action.index()].first, name);
   validate(action);
@@ -232,13 +232,24 @@ void Session::changePoints(const PointSet& points, const PointsAction& action) {
       return note();
     }
     std::vector<PointChange> changes;
-    points.forEach([&](std::uint64_t point) {
-      const PointState from = present[point];
-      if (from.gone) return;
-      const PointState to = stateAfter(from, action);
-      if (!isFinite(to.position)) throw Error("{}: point {} would be infinitely far away", name, point);
+    const auto add = [&](const PointState& from, const PointState& to) {
+      if (!isFinite(to.position)) throw Error("{}: point {} would be infinitely far away", name, to.number);
       if (from != to) changes.push_back({.from = from, .to = to});
-    });
+    };
+    if (const auto* const set = std::get_if<SetPoints>(&action)) {
+      std::uint64_t next = present.size();
+      for (const PointState& to : set->states) {
+        if (to.number > next || to.parent >= present.size())
+          throw Error("{}: the model has {} points, and no point {}", name, present.size(),
+                      to.number > next ? to.number : to.parent);
+        if (to.number == next) require(Action::insertPoints, name), ++next;
+        add(present[to.number], to);
+      }
+    } else {
+      points.forEach([&](std::uint64_t point) {
+        if (const PointState from = present[point]; !from.gone) add(from, stateAfter(from, action));
+      });
+    }
     if (changes.empty()) return;
     relay_.setPoints(changes);
     note();

@@ -7,9 +7,11 @@
 #include <map>
 #include <set>
 
+#include "engine/cloud/analytic_shape.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/content_of.hpp"
+#include "tests/near.hpp"
 #include "tests/says.hpp"
 #include "tests/shared_files.hpp"
 
@@ -238,6 +240,136 @@ TEST_CASE(
     const PointCloud cloud = readCloud(autzen).cloud;
     const auto count = std::ranges::count(fieldIn(cloud, "classification")->data, std::byte{1});
     judge(*journey("autzen.laz", "classification == 1", autzen), "autzen.laz", static_cast<std::size_t>(count));
+  }
+}
+
+namespace {
+
+// On a table, with lone points around it, as a scanner leaves them.
+constexpr std::size_t kLone = 40, kTable = 60 * 60;
+PointCloud onTable(PointCloud statue) {
+  const Bounds box = boundsOf(statue);
+  const double side = box.longestSide();
+  const auto add = [&](const DVec3& position, const DVec3& normal) {
+    statue.positions.emplace_back(position);
+    statue.normals.emplace_back(normal);
+    if (statue.hasColors()) statue.colors.push_back({0, 0, 0, 255});
+  };
+  for (std::size_t i = 0; i < kLone; ++i) {
+    const auto k = static_cast<double>(i);
+    add(box.center() + side * DVec3(std::cos(2.4 * k), 0.7 + 0.01 * k, std::sin(2.4 * k)), DVec3(0, 1, 0));
+  }
+  for (std::size_t i = 0; i < kTable; ++i)
+    add({box.center().x + side * (static_cast<double>(i % 60) / 60 - 0.5), box.min.y - 0.03 * side,
+         box.center().z + side * (static_cast<double>(i / 60) / 60 - 0.5)},
+        DVec3(0, 1, 0));
+  return statue;
+}
+
+// The soft bumps of a made statue, with a round hole in the middle of each of four sides.
+constexpr double kHole = 5;
+PointCloud holedStatue(const std::filesystem::path& whole) {
+  const PointCloud cloud = readCloud(whole).cloud;
+  PointCloud holed;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Vec3& p = cloud.positions[i];
+    const double across = std::min(std::hypot(p.x, p.y), std::hypot(p.z, p.y));
+    if (across < kHole) continue;
+    holed.positions.push_back(p);
+    holed.normals.push_back(cloud.normals[i]);
+  }
+  return holed;
+}
+
+std::unique_ptr<Played> cleanStatue(const PointCloud& statue, double widest_mm) {
+  const Bounds box = boundsOf(statue);
+  const auto prepare = [&](const std::filesystem::path& folder) {
+    writeCloud(folder / "statue.ply", onTable(statue));
+    std::filesystem::copy_file(folder / "statue.ply", folder / "kept.ply");
+  };
+  const double scale = 100 / box.longestSide();
+  return playWell(fmt::format("%/statue.ply --size 900x600 --rate 250 --up y --mm-per-unit {}", scale), prepare,
+                  fmt::format(R"(
+0.1 key s
+0.2 clean {{"outlier_neighbours": 8, "outlier_sigma": 6}}
+0.3 state %/lone.json
+0.4 key delete
+0.5 where y < {}
+0.6 state %/table.json
+0.7 key delete
+0.8 save %/bare.ply
+1.2 clean {{"fill_holes_mm": {}}}
+1.3 state %/filled.json
+1.4 save %/filled.ply
+2.0 key s
+2.1 key 5
+2.2 key ctrl+1
+2.5 mouse 588 300
+2.8 key space down
+2.9 button left down
+3.3 mouse 600 310
+3.7 mouse 588 320
+4.0 button left up
+4.1 key space up
+5.0 state %/smoothed.json
+5.1 save %/clean.ply
+6.0 key ctrl+p
+6.5 quit
+)",
+                              box.min.y - 0.01 * box.longestSide(), widest_mm));
+}
+
+// Positions that are in `after` and not in `before`, bit by bit.
+std::vector<Vec3> newIn(const PointCloud& before, const PointCloud& after) {
+  std::set<std::array<float, 3>> had;
+  for (const Vec3& p : before.positions) had.insert({p.x, p.y, p.z});
+  std::vector<Vec3> added;
+  for (const Vec3& p : after.positions)
+    if (!had.contains({p.x, p.y, p.z})) added.push_back(p);
+  return added;
+}
+
+}  // namespace
+
+TEST_CASE("journey 2: lone points, table and holes of a statue are gone, its seam is smooth, its file as it was") {
+  if (!hasDisplay()) return;
+  const auto judge = [](const Played& played, std::size_t points) {
+    const auto content = [&](const char* name) { return contentOf(played.folder.path() / name); };
+    CHECK(content("statue.ply") == content("kept.ply"));
+    CHECK(played.state("lone.json")["selection"]["selected"] == kLone);
+    CHECK(played.state("table.json")["selection"]["selected"] == kTable);
+    const auto cloudOf = [&](const char* name) { return readCloud(played.folder.path() / name).cloud; };
+    const PointCloud bare = cloudOf("bare.ply"), filled = cloudOf("filled.ply"), clean = cloudOf("clean.ply");
+    CHECK(bare.size() == points);
+    const std::vector<Vec3> added = newIn(bare, filled);
+    CHECK(added.size() == filled.size() - bare.size());
+    CHECK(newIn(filled, bare).empty());
+    // A brush of a few mm changes what is under it, and nothing else.
+    const std::vector<Vec3> smoothed = newIn(filled, clean);
+    CHECK(smoothed.size() > 10);
+    CHECK(smoothed.size() < points / 20);
+    const Picture picture(played.folder.path() / "statue-1.png");
+    CHECK(picture.width > 500);
+    return added;
+  };
+  const ScratchFolder folder;
+  works("--quiet make bumpy-sphere -n 20000 -o " + (folder / "whole.ply").string());
+  const PointCloud whole = readCloud(folder / "whole.ply").cloud, made = holedStatue(folder / "whole.ply");
+  const std::size_t missing = whole.size() - made.size();
+  const std::vector<Vec3> added = judge(*cleanStatue(made, 15), made.size());
+  CHECK(added.size() == within(static_cast<double>(missing), 0.15 * static_cast<double>(missing)));
+  const auto shape = makeShape("bumpy-sphere");
+  for (const Vec3& p : added) {
+    CHECK(std::abs(shape->signedDistance(DVec3(p))) < 0.2);
+    CHECK(std::min(std::hypot(p.x, p.y), std::hypot(p.z, p.y)) < kHole + 1);
+  }
+  if (const auto bunny = sharedFile("bunny_34834.ply"); !bunny.empty()) {
+    const PointCloud scanned = readCloud(bunny).cloud;
+    const std::vector<Vec3> closed = judge(*cleanStatue(scanned, 40), scanned.size());
+    CHECK(closed.size() == within(530, 80));  // two round holes and two slits below
+    const double low = boundsOf(scanned).min.y;
+    const auto isBelow = [&](const Vec3& p) { return static_cast<double>(p.y) < low + 0.01; };
+    CHECK(std::ranges::count_if(closed, isBelow) > 400);
   }
 }
 

@@ -25,7 +25,7 @@ namespace {
 
 /// A surface with a spacing of about 1, and the truth of it.
 struct Truth {
-  const char* name;
+  std::string name;
   PointCloud cloud;
   std::function<SurfacePoint(const DVec3&)> closest;
   DVec3 middle;  // of a hole
@@ -129,7 +129,7 @@ TEST_CASE("a hole in a plane, a sphere and a cylinder is closed with even points
         const HoleFilling filling = fillHoles(holed, wide + 3);
         CHECK(filling.closed == 1);
         CHECK(filling.left == 0);
-        CHECK(filling.points.size() == within(static_cast<double>(missing.count()), 1 + 0.06 * wide * wide));
+        CHECK(filling.points.size() == within(static_cast<double>(missing.count()), 1.6 + 0.06 * wide * wide));
         const Judged judged = judge(truth, holed, missing, filling, radius);
         MESSAGE(truth.name, " ", wide, " ", noise, ": ", filling.points.size(), " for ", missing.count(), ", off ",
                 judged.far, ", tilt ", judged.tilt_deg, ", outside ", judged.outside, ", apart ", judged.close, " to ",
@@ -155,7 +155,7 @@ TEST_CASE("nothing is added where there is no hole") {
       const HoleFilling filling = fillHoles(cloud, 1000);
       CHECK(filling.points.size() == 0);
       // The ends of the tube are open, but not holes in a plane.
-      CHECK(filling.left <= (std::string_view(truth.name) == "cylinder" ? 2 : 0));
+      CHECK(filling.left <= (truth.name == "cylinder" ? 2 : 0));
     }
 }
 
@@ -185,7 +185,7 @@ TEST_CASE("what two sheets, an island and random points leave open is not a hole
   CHECK(around.closed == 1);
   for (const NewPoint& point : around.points) {
     const double radius = glm::distance(DVec3(point.position), plane.middle);
-    CHECK(radius >= 1.5);
+    CHECK(radius >= 1.2);
     CHECK(radius <= 6.5);
   }
   CHECK(around.points.size() == within(static_cast<double>(std::numbers::pi * (36 - 2.25)), 12));

@@ -209,6 +209,82 @@ TEST_CASE("points that are removed elsewhere leave a hand's force as it is") {
   CHECK(person.session.history().points().present() == 4000 - below.count());
 }
 
+namespace {
+
+// New points over the top of the sphere, and another normal of one of the file.
+SetPoints newPoints(const Person& person) {
+  const std::vector<PointState> states = statesOf(person);
+  SetPoints set{{states[40]}};
+  set.states[0].normal = -set.states[0].normal;
+  for (std::uint64_t k = 0; k < 20; ++k)
+    set.states.push_back({.position = Vec3(0.1f * static_cast<float>(k), 0, 51),
+                          .number = states.size() + k,
+                          .normal = Vec3(0, 0, 1),
+                          .color = states[7].color,
+                          .parent = 7 + k});
+  return set;
+}
+
+}  // namespace
+
+TEST_CASE("new points and other normals are one stroke: felt, saved, masked as their parents, and undone exactly") {
+  const ScratchFolder folder;
+  Person person(folder);
+  person.session.setBrush(std::nullopt);
+  person.session.setMask(MaskRole::selected, PointSet::range(7, 10));
+  const std::vector<PointState> before = statesOf(person);
+  const SetPoints set = newPoints(person);
+  person.session.changePoints({}, set);
+  CHECK(person.undoCount() == 2);
+  const std::vector<PointState> after = statesOf(person);
+  REQUIRE(after.size() == before.size() + 20);
+  for (const PointState& state : set.states) CHECK(isSameToTheBit(after[state.number], state));
+  CHECK(person.session.attributes().mask(MaskRole::selected).count() == 6);
+  REQUIRE(person.save((folder / "more.ply").string()).failure == "");
+  const PointCloud saved = readCloud(folder / "more.ply").cloud;
+  REQUIRE(saved.size() == after.size());
+  CHECK(saved.normals[40] == set.states[0].normal);
+  CHECK(saved.positions.back() == set.states.back().position);
+  CHECK(person.session.undo());
+  CHECK(areSameToTheBit(statesOf(person), before));
+  CHECK(person.session.redo());
+  CHECK(areSameToTheBit(statesOf(person), after));
+  // Those that are undone keep their numbers.
+  CHECK(person.session.undo());
+  const SetPoints again = newPoints(person);
+  CHECK(again.states[1].number == before.size() + 20);
+  person.session.changePoints({}, again);
+  CHECK(statesOf(person).size() == before.size() + 40);
+  // Numbers that do not follow, and parents that do not exist.
+  const auto refused = [&](std::uint64_t number, std::uint64_t parent) {
+    const PointState state{.number = number, .normal = Vec3(0, 0, 1), .parent = parent};
+    return errorOf([&] { person.session.changePoints({}, SetPoints{{state}}); });
+  };
+  const std::size_t count = statesOf(person).size();
+  CHECK(refused(count + 1, 0) == fmt::format("set: the model has {0} points, and no point {1}", count, count + 1));
+  CHECK(refused(count, count) == fmt::format("set: the model has {0} points, and no point {0}", count));
+  CHECK(statesOf(person).size() == count);
+}
+
+TEST_CASE("an action survives a log to the bit, and bytes that are none are refused") {
+  const SetPoints set{{{.position = {1, 2, 3}, .number = 5, .normal = {0, 0, 1}, .color = 9, .parent = 4},
+                       {.position = {4, 5, 6}, .gone = true, .number = 6, .normal = {1, 0, 0}, .parent = 2}}};
+  const std::string bytes = bytesIn(set, {});
+  const auto read = readPointsAction(bytes);
+  REQUIRE(read.has_value());
+  const auto& states = std::get<SetPoints>(read->first).states;
+  REQUIRE(states.size() == 2);
+  for (std::size_t i = 0; i < 2; ++i) CHECK(isSameToTheBit(states[i], set.states[i]));
+  CHECK(read->second.empty());
+  CHECK_FALSE(readPointsAction(std::string_view(bytes).substr(0, 40)).has_value());
+  std::string wrong = bytes;
+  wrong[0] = 9;
+  CHECK_FALSE(readPointsAction(wrong).has_value());
+  wrong = bytes;
+  wrong[15] = '\x7f';  // of the count
+  CHECK_FALSE(readPointsAction(wrong).has_value());
+}
+
 TEST_CASE("a replay repeats removed and painted points among strokes, and their undo, bit by bit") {
   const ScratchFolder folder;
   const std::string log = (folder / "session.log").string();
@@ -224,6 +300,7 @@ TEST_CASE("a replay repeats removed and painted points among strokes, and their 
     person.session.changePoints(PointSet::range(1000, 1100), PaintPoints{packedColor({1, 2, 3, 255})});
     strokeFromSide(person);
     person.session.changePoints(PointSet::range(1500, 1600), RemovePoints());
+    person.session.changePoints({}, newPoints(person));
     person.session.changePoints(PointSet::range(1200, 1300), MovePoints{.scale = 1.01, .offset = {0, 0, 0.5}});
     person.goOn(0.05);
     CHECK(person.session.undo());
@@ -256,17 +333,19 @@ TEST_CASE("a removal that was not saved is recovered, and can be undone") {
     person.stroke();
     stroked = statesOf(person);
     person.session.changePoints(some(), RemovePoints());
+    person.session.changePoints({}, newPoints(person));
     removed = statesOf(person);
     person.goOn(0.2);
   }
   std::vector<LeftStrokes> left = leftStrokes(folder / "unsaved", [](const std::string&) {});
   REQUIRE(left.size() == 1);
-  CHECK(left[0].since.made == 2);
+  CHECK(left[0].since.made == 3);
   Person next(folder,
               {.unsavedIn = folder / "unsaved", .left = std::make_shared<const LeftStrokes>(std::move(left[0]))});
   CHECK(areSameToTheBit(statesOf(next), removed));
   CHECK(next.session.isChanged());
-  CHECK(next.undoCount() == 2);
+  CHECK(next.undoCount() == 3);
+  CHECK(next.session.undo());
   CHECK(next.session.undo());
   CHECK(areSameToTheBit(statesOf(next), stroked));
   CHECK(next.session.undo());

@@ -121,8 +121,8 @@ PP_OPTIONS(prepare_options)
 /** Selects and cleans the points of a cloud, and sets fields. `kept`: receives 1 for each of the `count` points of the
  * cloud that stay, else 0; null: not wanted. `result`: receives them as a cloud, which may be empty; null: not wanted.
  * Points keep all that no step sets, bit by bit. The result of a splat scene is made by doing the steps to its
- * Gaussians, whose columns are fields; `kept` by doing them to the points. PP_ERROR_ARGUMENT for invalid settings and
- * expressions, with the column. */
+ * Gaussians, whose columns are fields; `kept` by doing them to the points. New points, which close holes, follow all
+ * others and are not in `kept`. PP_ERROR_ARGUMENT for invalid settings and expressions, with the column. */
 PP_API pp_status pp_cloud_prepare(pp_cloud cloud, const pp_prepare_options* options, uint8_t* kept, uint64_t count,
                                   pp_cloud* result);
 /** The points of a cloud whose entry in `mask` is not 0, with all that they have. `count` must be the number of points
