@@ -8,7 +8,6 @@
 #include "apps/view/commands.hpp"
 #include "apps/view/settings.hpp"
 #include "engine/core/clock.hpp"
-#include "engine/edit/points_action.hpp"
 #include "engine/select/point_bits.hpp"
 
 namespace palpate {

@@ -17,7 +17,7 @@ struct CleanRow {
 };
 constexpr CleanRow kSelecting[]{{"Duplicates", {"drop_duplicates"}},
                                 {"Outliers", {"outlier_neighbours", "outlier_sigma"}},
-                                {"Lone points", {"radius_neighbours", "radius_mm"}},
+                                {"Sparse", {"radius_neighbours", "radius_mm"}},
                                 {"Subsample", {"subsample_mm"}},
                                 {"Random", {"random"}}};
 constexpr CleanRow kChanging[]{{"Fill holes", {"fill_holes_mm"}}, {"Level", {"level"}}, {"Upright", {"upright"}}};

@@ -24,8 +24,8 @@ class ShownMesh {
   explicit ShownMesh(Device& sight) : sight_(sight) {}
 
   /// `edited`: changes since the last call. `field`: what colours the points; null: their own colours do. False if a
-  /// rebuild is only announced: on a software driver it takes so long that a frame with a message is shown first. Throws
-  /// what the rebuild throws.
+  /// rebuild is only announced: on a software driver it takes so long that a frame with a message is shown first.
+  /// Throws what the rebuild throws.
   bool follow(const WindowSession& session, std::uint32_t resolution, const EditBatch& edited,
               const ColoredField* field, const ColorConfig& color);
   void clear();

@@ -38,8 +38,8 @@ class ShownModel {
   const ModelPicture& picture() const { return picture_; }
   const ShownMesh& mesh() const { return mesh_; }
   const ShownLines& lines() const { return lines_; }
-  /// Null if points are not coloured by a field, or shown as triangles.
-  const ColoredField* field() const { return mesh_.triangleCount() > 0 ? nullptr : field_.field(); }
+  /// Null if points are not coloured by a field.
+  const ColoredField* field() const { return field_.field(); }
 
  private:
   Device& sight_;

@@ -233,8 +233,8 @@ class Session {
   /// The same of the field of that name, which is made if it is missing (fieldNamed()): one change in either case.
   /// Throws Error also if the field has another type.
   void setField(std::string_view name, ScalarType type, const PointSet& points, std::vector<std::byte> values);
-  /// Removes those of the points that exist, paints or moves them, as one stroke; or SetPoints, whatever the set. Throws
-  /// as setMask(), and for an action that validate() refuses; then nothing has changed.
+  /// Removes those of the points that exist, paints or moves them, as one stroke; or SetPoints, whatever the set.
+  /// Throws as setMask(), and for an action that validate() refuses; then nothing has changed.
   void changePoints(const PointSet& points, const PointsAction& action);
   /// Makes one of these changes as a log contains it. Throws Error also if it does not fit (LayerAttributes::fits()).
   void change(AttributeChange change);

@@ -348,7 +348,7 @@ TEST_CASE("journey 2: lone points, table and holes of a statue are gone, its sea
     const std::vector<Vec3> smoothed = newIn(filled, clean);
     CHECK(smoothed.size() > 10);
     CHECK(smoothed.size() < points / 20);
-    const Picture picture(played.folder.path() / "statue-1.png");
+    const Picture picture(played.folder.path() / "clean-1.png");
     CHECK(picture.width > 500);
     return added;
   };

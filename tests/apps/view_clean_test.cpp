@@ -1,6 +1,7 @@
 // Cleaning in the window: what a step would drop is selected, what it makes is one change, and it can be stopped.
 #include <cmath>
 #include <fstream>
+#include <string>
 #include <thread>
 
 #include "engine/core/clock.hpp"
@@ -43,11 +44,9 @@ void makeHoled(const std::filesystem::path& folder) {
 
 constexpr const char* kHoled = "%/holed.ply --size 900x600 --rate 250 --mm-per-unit 1";
 
-}  // namespace
-
-TEST_CASE("outliers and duplicates are selected, holes are closed and normals flipped, each undone to the bit") {
-  if (!hasDisplay()) return;
-  const auto played = playWell(kHoled, makeHoled, R"(
+void checkCleaning(bool isOnGpu) {
+  const std::string backend = isOnGpu ? " --backend vulkan" : " --backend cpu";
+  const auto played = playWell(kHoled + backend, makeHoled, R"(
 0.1 save %/before.ply
 0.5 key s
 0.6 clean {"outlier_neighbours": 8, "outlier_sigma": 6}
@@ -111,6 +110,16 @@ TEST_CASE("outliers and duplicates are selected, holes are closed and normals fl
   const float shift = upright.positions[0].z - before.positions[0].y;
   for (std::size_t i = 0; i < before.size(); ++i)
     CHECK(std::abs(upright.positions[i].z - before.positions[i].y - shift) < 1e-3f);
+}
+
+}  // namespace
+
+TEST_CASE("outliers and duplicates are selected, holes are closed and normals flipped, each undone to the bit") {
+  if (!hasDisplay()) return;
+  for (const bool isOnGpu : {false, true}) {
+    CAPTURE(isOnGpu);
+    checkCleaning(isOnGpu);
+  }
 }
 
 TEST_CASE("the section Clean has the steps of the table, which its buttons do, and Esc stops one") {

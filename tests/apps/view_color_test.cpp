@@ -86,6 +86,12 @@ TEST_CASE("a picture shows a field in the colours of its map over its range, gre
   const Picture ids = render("--color-by id --color-range 9007199254741022,9007199254741024 --color-map red-blue");
   CHECK(hueAt(ids, 0.3, 0.6).z < 0.4);
   CHECK(hueAt(ids, 0.7, 0.6).x < 0.4);
+  // Triangles as discs, with the same legend.
+  const Picture triangles = render("--mode mesh --color-by intensity --color-range 0,59");
+  for (const double across : {0.18, 0.3, 0.5, 0.7})
+    CHECK(is(hueAt(triangles, across, 0.6), hueAt(viridis, across, 0.6)));
+  CHECK(is(hueAt(triangles, 0.5, 0.2), grey));
+  CHECK(differing(render("--mode mesh"), triangles, 305, 160, 10) > 100);
   // The legend, over the background at the right.
   CHECK(differing(render("--color-by rgb"), viridis, 305, 160, 10) > 100);
   for (const char* made : {"density", "roughness", "curvature", "verticality", "y"}) {
@@ -103,7 +109,7 @@ TEST_CASE("a field that cannot be shown is refused in one sentence, and nothing 
   checkEnds(2, render + "--color-by intensity --color-range 5,1", {"--color-range: '5,1' begins above its end"});
   checkEnds(2, render + "--color-by height --color-map classes", {"--color-map: classes are numbers of a field"});
   checkEnds(2, render + "--color-by intensity --color-map rainbow", {"--color-map"});
-  checkEnds(2, render + "--color-by intensity --mode mesh", {"triangles have no field 'intensity'; use --mode splat"});
+  checkEnds(2, render + "--color-by intensty --mode mesh", {"--color-by: unknown field 'intensty'"});
   CHECK_FALSE(std::filesystem::exists(folder / "i.png"));
 }
 
@@ -160,7 +166,15 @@ TEST_CASE("the window colours by a field, selects its range, and changes nothing
 3.2 click histogram
 3.4 state %/dragged.json
 3.5 save %/after.ply
-4.0 quit
+4.0 click Auto
+4.2 key v
+4.3 screenshot %/discs.png
+4.4 key m
+4.9 screenshot %/triangles.png
+5.0 click colour by
+5.2 click colour
+5.6 screenshot %/own.png
+5.7 quit
 )");
   const Result shown = played->state("shown.json"), typed = played->state("typed.json");
   CHECK(shown["color"] == "intensity");
@@ -187,6 +201,14 @@ TEST_CASE("the window colours by a field, selects its range, and changes nothing
   const Picture plain(played->folder.path() / "plain.png"), colored(played->folder.path() / "shown.png");
   CHECK(differing(plain, colored, 588, 300, 40) > 3000);
   CHECK(differing(plain, colored, 870, 450, 20) > 30);  // the legend
+  // Triangles have the colours of their points, until these have their own again.
+  const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
+  const auto hue = [&](const char* name, double across) { return hueAt(picture(name), across, 0.8); };
+  for (const double across : {0.62, 0.68, 0.75}) {
+    CHECK(glm::distance(hue("triangles.png", across), hue("discs.png", across)) < 0.15);
+    CHECK(glm::distance(hue("own.png", across), hue("plain.png", across)) < 0.15);
+  }
+  CHECK(glm::distance(hue("own.png", 0.75), hue("triangles.png", 0.75)) > 0.2);
 }
 
 TEST_CASE("a selection is kept as a field, which an expression finds; its errors name their column") {

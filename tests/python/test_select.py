@@ -56,10 +56,28 @@ def test_cleaning_gives_masks_and_clouds():
     assert len(part) == 50 and part.bounds[1][0] <= 637004
 
 
-def test_computed_fields_are_those_of_a_sphere():
+def sphere() -> np.ndarray:
     i = np.arange(5000) + 0.5
     z, angle = 1 - 2 * i / 5000, i * np.pi * (3 - np.sqrt(5))
-    out = np.column_stack([np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z])
+    return np.column_stack([np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z])
+
+
+def test_holes_are_closed_and_an_axis_set_upright():
+    out = sphere()
+    holed = out[np.linalg.norm(out - [1, 0, 0], axis=1) > 0.15]
+    cloud = pp.Cloud(20 * holed, normals=holed)
+    closed = cloud.prepared(fill_holes_mm=9, mm_per_unit=1)
+    assert np.array_equal(closed.xyz[:len(holed)], cloud.xyz)
+    new = closed.xyz[len(holed):]
+    assert len(new) == pytest.approx(5000 - len(holed), abs=5)
+    assert np.allclose(np.linalg.norm(new, axis=1), 20, atol=0.01)
+    assert len(cloud.prepared(fill_holes_mm=3, mm_per_unit=1)) == len(holed)
+    upright = cloud.prepared(upright="y")
+    assert np.ptp(upright.xyz[:, 2] - cloud.xyz[:, 1]) < 1e-4
+
+
+def test_computed_fields_are_those_of_a_sphere():
+    out = sphere()
     ball = pp.Cloud(20 * out, normals=out)
     assert np.median(ball.field("curvature", mm_per_unit=1)) == pytest.approx(1 / 20, rel=0.02)
     assert np.median(ball.field("density", mm_per_unit=1)) == pytest.approx(5000 / (4 * np.pi * 400), rel=0.08)

@@ -139,7 +139,7 @@ TEST_CASE("a hole in a plane, a sphere and a cylinder is closed with even points
         CHECK(judged.outside <= 0.6);
         CHECK(judged.close >= 0.55);
         CHECK(judged.apart <= 1.3);
-        CHECK(judged.left <= 1.0);
+        CHECK(judged.left <= 1.1);
         // It is wider than that, so that it stays.
         CHECK(fillHoles(holed, wide - 0.5).points.empty());
       }
