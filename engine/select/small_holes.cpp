@@ -77,7 +77,7 @@ class Hole {
   bool fitPlate() {
     std::vector<std::uint32_t> around(rim_.begin(), rim_.end());
     std::ranges::sort(around);
-    around.erase(std::ranges::unique(around).begin(), around.end());
+    around.erase(std::unique(around.begin(), around.end()), around.end());
     std::size_t known = around.size(), row = 0;
     std::vector<std::uint32_t> sorted = around;
     for (std::size_t k = 0; k < kRows; ++k) {
@@ -121,6 +121,7 @@ class Hole {
     std::vector<std::pair<double, int>> crossings;
     const auto firstRow = static_cast<std::int64_t>(std::floor(low / apart.y)) - 1;
     for (std::int64_t row = firstRow; static_cast<double>(row) * apart.y <= high; ++row) {
+      throwIfStopWanted();
       const double y = (static_cast<double>(row) + shift.y) * apart.y;
       crossings.clear();
       for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -52,6 +52,8 @@ ThinPlate::ThinPlate(std::span<const DVec2> at, std::span<const double> heights,
     for (std::size_t k = 0; k < plane.size(); ++k) rows[i][count + k] = rows[count + k][i] = plane[k];
     rows[i].back() = heights[i];
   }
+  constexpr double kTiny = 1e-9;  // so that positions on a line have a solution, too
+  for (std::size_t k = count; k < rows.size(); ++k) rows[k][k] = -kTiny;
   solve(rows);
   for (std::size_t i = 0; i < count; ++i) weights_.push_back(rows[i].back());
   for (std::size_t k = 0; k < plane_.size(); ++k) plane_[k] = rows[count + k].back();

@@ -14,8 +14,8 @@ namespace palpate {
 /// heights have no force of bending. Costs the third power of the number of heights to make.
 class ThinPlate {
  public:
-  /// `smoothing`: weight of the bending energy beside the sum of the squared differences; 0: through all heights. In
-  /// the squared unit of `at`. At least three positions, distinct and not on one line.
+  /// `smoothing`: weight of the bending energy beside the sum of the squared differences, in the squared unit of `at`;
+  /// must be positive where positions coincide.
   ThinPlate(std::span<const DVec2> at, std::span<const double> heights, double smoothing);
 
   double height(const DVec2& at) const;

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -13,6 +14,7 @@
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/counter_random.hpp"
 #include "engine/cloud/point_tree.hpp"
+#include "engine/core/job_stop.hpp"
 #include "engine/core/point_set.hpp"
 #include "engine/select/chosen_points.hpp"
 #include "engine/select/prepared_cloud.hpp"
@@ -262,9 +264,27 @@ TEST_CASE("new points have colours between those of the rim, fields of the neare
         result.cloud.positions);
 }
 
+TEST_CASE("the rim of a bowl is left open, which is said, and a job that closes some can be stopped") {
+  // Little more than half a sphere: the points of its rim face sideways.
+  PointCloud bowl;
+  const Truth sphere = truths()[1];
+  for (std::size_t i = 0; i < sphere.cloud.size(); ++i)
+    if (sphere.cloud.positions[i].z < 2) {
+      bowl.positions.push_back(sphere.cloud.positions[i]);
+      bowl.normals.push_back(sphere.cloud.normals[i]);
+    }
+  const HoleFilling filling = fillHoles(bowl, 1000);
+  CHECK(filling.points.empty());
+  CHECK(inWords(filling) == "closes 0 holes with 0 new points; 1 hole is left open, whose rim folds");
+  const std::atomic<bool> stopped = true;
+  const JobStopScope stops({.flag = &stopped, .mayCut = true});
+  CHECK_THROWS_AS(fillHoles(bowl, 1000), Stopped);
+}
+
 TEST_CASE("an axis becomes z, and the ground is then below") {
-  for (const auto& [name, up] : kUpAxes) {
-    CAPTURE(name);
+  for (const auto& named : kUpAxes) {
+    const UpAxis up = named.second;
+    CAPTURE(named.first);
     PointCloud cloud;
     cloud.positions = {Vec3(1, 2, 3), Vec3(4, 7, 5), Vec3(2, 2, 9)};
     cloud.normals = {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
@@ -280,7 +300,7 @@ TEST_CASE("an axis becomes z, and the ground is then below") {
       CHECK(static_cast<double>(glm::length(risen)) ==
             within(static_cast<double>(glm::length(cloud.positions[i] - cloud.positions[0])), 1e-5));
     }
-    CHECK(result.steps.at(0).what == fmt::format("rotates {} to z", name));
+    CHECK(result.steps.at(0).what == fmt::format("rotates {} to z", named.first));
     CHECK(upSaidIn(result.cloud.storedAs.comments) == UpAxis::z);
   }
 }

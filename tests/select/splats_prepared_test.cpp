@@ -53,6 +53,8 @@ TEST_CASE("a box, a condition on a column of Gaussians, and outliers keep those 
   check({.where = "opacity > 0"}, [&](std::size_t i) { return splats.file.at(i, "opacity") > 0; });
   check({.where = "f_rest_7 < 0.1 && z > 0"},
         [&](std::size_t i) { return splats.file.at(i, "f_rest_7") < 0.1 && splats.file.at(i, "z") > 0; });
+  CHECK(errorOf<ConfigError>([&] { prepared(splats.cloud, {.fillHoles_mm = 3}, {}); }) ==
+        "prepare.fill_holes_mm: the holes of a splat scene cannot be closed, because new points are not Gaussians");
   // The cut scene is felt as it would be after it was saved and read again.
   const PointCloud cut = prepared(splats.cloud, {.where = "x > 1"}, {}).cloud;
   writeCloud(splats.folder / "cut.ply", cut);
