@@ -71,7 +71,7 @@ constexpr Setting<Preparation> kPreparation[]{
     {"set", &Preparation::set, "--set",
      "set a field: [TYPE] NAME = NUMBER [if CONDITION], as in \"classification = 6 if z > 3\"; may be repeated"},
     {"upright", words<&Preparation::upright, kUpAxes>(), "--upright",
-     "rotate the model by a quarter or a half so that this axis becomes z, which is up: x, y, z, -x, -y or -z"},
+     "rotate the model by a quarter or half turn so that this axis becomes z, which is up"},
     {"level", &Preparation::level, "--level",
      "rotate the model so that its ground, found by shape, is level and z is up"},
 };

@@ -147,8 +147,18 @@ TEST_CASE("the section Clean has the steps of the table, which its buttons do, a
 0.2 key escape
 0.3 patient
 0.9 state %/stopped.json
-1.0 quit
+1.0 key s
+1.1 where x > 45
+1.2 impatient
+1.3 clean {"fill_holes_mm": 5}
+1.3 key delete
+1.4 patient
+1.9 state %/changed.json
+2.0 quit
 )");
+  const Result changed = stopped->state("changed.json");
+  CHECK(says(changed["errors"].dump(), "fill-holes: points have changed meanwhile; nothing was done"));
+  CHECK(changed["points"] < 150'000);
   CHECK(messageIn(*stopped, "stopped.json") == "fill-holes: stopped; nothing has changed");
   CHECK(stopped->state("stopped.json")["points"] == 150'000);
 }
