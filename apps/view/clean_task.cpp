@@ -64,13 +64,16 @@ void CleanTask::begin(const WindowSession& session, const CleanModel& command, U
   for (const PointState& state : given.states)
     if (!state.gone) given.numbers.push_back(state.number);
   const PointSet locked = session.attributes().locked(given.states);
-  if (given.changeable.count() == 0) given.changeable = selectable(session) - PointBits(locked, given.states.size());
-  if (command.step.upright || command.step.level) {
-    session.session().require(Action::sculpt, "clean");
+  const PointBits shown = selectable(session);
+  if ((PointBits(session.attributes().mask(MaskRole::selected), shown.size()) & shown).count() == 0)
+    given.changeable = shown - PointBits(locked, shown.size());
+  const bool rotates = command.step.upright || command.step.level, fills = command.step.fillHoles_mm > 0;
+  if (rotates || command.normals) session.session().require(Action::sculpt, "clean");
+  if (fills) session.session().require(Action::insertPoints, "clean");
+  if (rotates) {
     requireFreeUp(session.model().cloud);
     if (!locked.empty()) throw Error("the model cannot be rotated while points are locked");
   }
-  if (command.step.fillHoles_mm > 0) session.session().require(Action::insertPoints, "clean");
   command_ = command;
   session_ = &session;
   edits_ = session.edits();

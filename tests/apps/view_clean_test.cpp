@@ -163,6 +163,30 @@ TEST_CASE("the section Clean has the steps of the table, which its buttons do, a
   CHECK(stopped->state("stopped.json")["points"] == 150'000);
 }
 
+TEST_CASE("a model that cannot be cleaned so says why, and stays as it is") {
+  if (!hasDisplay()) return;
+  const auto prepare = [](const std::filesystem::path& folder) {
+    makeHoled(folder);
+    works("--quiet convert " + (folder / "holed.ply").string() + " " + (folder / "upy.ply").string() + " --up y");
+  };
+  const auto played = playWell("%/upy.ply --size 900x600 --rate 250", prepare, R"(
+0.1 save %/before.ply
+0.5 clean {"upright": "y"}
+0.6 state %/stated.json
+0.7 where x > 40
+0.8 key s
+0.9 click Lock
+1.2 clean normals flip
+1.3 state %/locked.json
+1.4 save %/after.ply
+2.0 quit
+)");
+  CHECK(says(played->state("stated.json")["errors"].dump(), "the file states that y is up, which cannot change here"));
+  CHECK(messageIn(*played, "locked.json") == "normals: no normal changes");  // all selected points are locked
+  const auto content = [&](const char* name) { return contentOf(played->folder.path() / name); };
+  CHECK(content("before.ply") == content("after.ply"));
+}
+
 TEST_CASE("exported points are opened in another window, if that is wanted") {
   if (!hasDisplay()) return;
   std::unique_ptr<Played> played;
@@ -181,7 +205,7 @@ TEST_CASE("exported points are opened in another window, if that is wanted") {
   // The other window remembers what it has opened.
   const auto hasOpened = [&](const char* name) {
     const std::filesystem::path recent = folder / "state" / "palpate" / "recent";
-    return std::filesystem::exists(recent) && says(contentOf(recent), (folder / name).string());
+    return std::filesystem::exists(recent) && contentOf(recent).find((folder / name).string()) != std::string::npos;
   };
   const Stopwatch since;
   bool isOpen = false;
