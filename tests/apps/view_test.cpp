@@ -81,9 +81,10 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
         std::ofstream(folder / "broken.ply") << kBroken;
       },
       R"(
-0.1 mouse 418 210
+0.1 mouse 550 20
 0.4 screenshot %/before.png
 0.4 state %/before.json
+0.45 mouse 418 210
 0.5 key Space down
 0.7 button left down
 1.1 wheel 6
@@ -91,6 +92,7 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
 2.0 state %/touch.json
 2.1 button left up
 2.2 key space up
+2.3 mouse 550 20
 2.6 screenshot %/dent.png
 2.6 state %/dent.json
 2.7 drop %/broken.ply

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable
 
 from . import _palpate
-from ._errors import ArgumentTypeError, Error, described, refuse_attribute
+from ._errors import ArgumentTypeError, ClosedError, Error, described, refuse_attribute
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -109,7 +109,10 @@ class Live:
     @property
     def running(self) -> bool:
         """False once it has ended, or was stopped."""
-        return not self._over.is_set() and self._session._live_running()
+        try:
+            return not self._over.is_set() and self._session._live_running()
+        except ClosedError:  # by another thread, just now
+            return False
 
     @property
     def late_laws(self) -> int:
