@@ -47,8 +47,8 @@ void main() {
     if (list.count == args.neighbours || work >= kDistanceWorkBudget) break;
   }
   float sum = 0;
-  for (uint k = 0; k < list.count; ++k) sum += sqrt(list.squared[k]);
+  for (uint k = 0; k < list.count; ++k) sum += roundedRoot(list.squared[k]);
   const bool isCrowded = work >= kDistanceWorkBudget;
   args.distances.at[id] =
-      isCrowded ? kCrowded : list.count < args.neighbours ? kSparse : sum / float(args.neighbours);
+      isCrowded ? kCrowded : list.count < args.neighbours ? kSparse : meanOf(sum, args.neighbours);
 }

@@ -38,9 +38,9 @@ void main() {
       }
     }
     barrier();
-    sum += sqrt(nearest[0]);
+    sum += roundedRoot(nearest[0]);
     if (owners[0] == lane) ++head;
     barrier();
   }
-  if (lane == 0) args.distances.at[floatBitsToUint(point.w)] = sum / float(args.neighbours);
+  if (lane == 0) args.distances.at[floatBitsToUint(point.w)] = meanOf(sum, args.neighbours);
 }

@@ -15,4 +15,14 @@ void keepNearest(inout NearestList list, uint most, float squared) {
   list.count = min(list.count + 1, most);
 }
 
+// Drivers may round roots and quotients to one side; a mean of millions of distances would be off by that.
+float roundedRoot(float squared) {
+  precise const float root = sqrt(squared);
+  return root > 0 ? root + 0.5 * fma(-root, root, squared) / root : 0;
+}
+float meanOf(float sum, uint count) {
+  precise const float mean = sum / float(count);
+  return mean + fma(-mean, float(count), sum) / float(count);
+}
+
 #endif
