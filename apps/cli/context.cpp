@@ -52,7 +52,7 @@ void Context::addOptions(Options& app) {
       .check(wholeBetween(0, bounds::kMaxThreads));
   app.addFlag("--force", forced_,
               "read a model that needs more memory than is free; convert: replace an existing OUT, which is kept as "
-              "OUT.bak");
+              "OUT.bak; render --turntable: replace existing pictures");
   app.addFlag("--quiet", quiet_, "no messages and no progress; results are still printed");
 }
 

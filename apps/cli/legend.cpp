@@ -24,10 +24,13 @@ double letterHeight_px(const Image& image) {
 void blend(Image& image, int x, int y, const DVec3& color, double alpha) {
   if (x < 0 || y < 0 || x >= static_cast<int>(image.width) || y >= static_cast<int>(image.height)) return;
   auto& pixel = image.rgba[static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x)];
+  const double covered = 1 - (1 - pixel[3] / 255.0) * (1 - alpha);
+  if (covered <= 0) return;
   for (int k = 0; k < 3; ++k) {
     auto& channel = pixel[static_cast<std::size_t>(k)];
-    channel = static_cast<std::uint8_t>(std::lround(glm::mix(static_cast<double>(channel), color[k], alpha)));
+    channel = static_cast<std::uint8_t>(std::lround(glm::mix(static_cast<double>(channel), color[k], alpha / covered)));
   }
+  pixel[3] = static_cast<std::uint8_t>(std::lround(255 * covered));
 }
 
 /// White on a dark background, black on a light one.

@@ -10,11 +10,14 @@
 #include "apps/cli/setting_options.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/length_text.hpp"
+#include "engine/render/camera_motion.hpp"
 #include "engine/select/prepared_cloud.hpp"
 
 namespace palpate {
 
 namespace {
+
+constexpr const char* kTransparent = "transparent";
 
 PictureSize parseSize(const std::string& text) {
   const auto [width, height] = parseList<std::uint32_t, 2>(text, 'x', "--size", "WIDTHxHEIGHT in pixels");
@@ -33,8 +36,10 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   frame.raster = rasterNamed(options.raster);
   constexpr std::uint32_t kUsualSmooth_px = 3;  // default for the pass smooth-depth
   frame.smooth_px = options.smooth_px > 0 || frame.pass != ImagePass::smoothDepth ? options.smooth_px : kUsualSmooth_px;
-  if (!options.background.empty())
-    frame.background = parseList<std::uint8_t, 3>(options.background, ',', "--background", "R,G,B from 0 to 255");
+  frame.transparent = options.background == kTransparent;
+  if (!options.background.empty() && !frame.transparent)
+    frame.background =
+        parseList<std::uint8_t, 3>(options.background, ',', "--background", "R,G,B from 0 to 255, or transparent");
   // Wider discs hide the model, and cost too much GPU time.
   constexpr double kWidest = 0.1;  // of the longest side
   const double widest = kWidest * model.shownBounds().longestSide();
@@ -63,22 +68,23 @@ DVec2 scaleBarCorner(const PictureSize& size) { return {0.04 * size.width, 0.94 
 
 double scaleBarLength(const Camera& camera, const PictureSize& size) {
   const double depth = glm::distance(camera.eye, camera.target);
-  return roundLength(0.2 * size.width * depth / camera.focal_px(size.height));
+  return roundLength(0.2 * size.width * camera.divisorAt(depth) / camera.focal_px(size.height));
 }
 
 Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size) {
   const double depth = glm::distance(camera.eye, camera.target);
   return {.from = camera.unproject(scaleBarCorner(size), depth, {size.width, size.height}),
           .along = scaleBarLength(camera, size) * camera.axes().right,
-          .radius = 0.003 * size.height * depth / camera.focal_px(size.height)};
+          .radius = 0.003 * size.height * camera.divisorAt(depth) / camera.focal_px(size.height)};
 }
 
 void addPictureOptions(Options& command, PictureOptions& options) {
   addLookOptions(command, options.look);
   command.add("--size", options.size, "WIDTHxHEIGHT, pixels").showDefault();
   command.add("--camera", options.camera,
-              "any of \"eye=x,y,z target=x,y,z up=x,y,z fov=45\", model units and degrees (default: in "
-              "front of the model, slightly above)");
+              "any of \"eye=x,y,z target=x,y,z up=x,y,z fov=45 ortho=HEIGHT isometric\", model units and degrees "
+              "(default: in front of the model, slightly above); ortho: orthographic, HEIGHT from the lower to the "
+              "upper border, or as the model requires; isometric: orthographic, from the front, the right and above");
   command
       .add("--splat-radius", options.splatRadius,
            "radius of the discs, mm; auto: just wide enough to close the surface")
@@ -99,7 +105,7 @@ void addPictureOptions(Options& command, PictureOptions& options) {
       .add("--raster", options.raster,
            "rasteriser of the discs: compute (compute shaders) or hardware; the picture is the same")
       .showDefault();
-  command.add("--background", options.background, "R,G,B, 0 to 255 each (default: a gradient)");
+  command.add("--background", options.background, "R,G,B, 0 to 255 each, or transparent (PNG) (default: a gradient)");
   command.add("--depth", options.depthFile, "also write eye-space depth as PFM, model units")
       .typeName("FILE.pfm")
       .writes(Writes::replacing);
@@ -117,13 +123,16 @@ void addSamplesOption(Options& command, std::uint32_t& samples) {
       .showDefault();
 }
 
-void checkPictureOptions(const PictureOptions& options) {
+void checkPictureOptions(const PictureOptions& options, const std::string& file) {
   const PictureSize size = parseSize(options.size);
   Frame::checkSize(size.width, size.height);
   validate(options.color);
   frameOptions(options, Model{});
   Camera::parse(options.camera, PointCloud{}, 1);
   checkOutput(options.depthFile, Output::only);
+  if (options.background != kTransparent || file.empty()) return;
+  if (isFilm(file) || imageFormatOf(file) != ImageFormat::png)
+    throw UsageError("--background: {} cannot be transparent; name a .png file", file);
 }
 
 bool showsPaint(const PictureOptions& options) {
@@ -141,9 +150,35 @@ void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {
 
 namespace {
 
+// The camera of each file: as requested, or around the model, with the same framing for all.
+std::vector<Camera> camerasFor(const PictureFiles& files, const PictureOptions& options, const Model& model, UpAxis up,
+                               double aspect) {
+  Framing framing = framingOf(model, up);
+  // With lines beside the points, the picture shows all their positions.
+  const bool showsLines = !model.cloud.empty() && (model.container() || (options.cameras && !model.cameras.empty()));
+  if (showsLines) framing.shown.reset();
+  const PointCloud beside = showsLines ? placesWithLines(model, options.cameras) : PointCloud();
+  const PointCloud& shown = showsLines ? beside : model.cloud;
+  if (files.each.size() == 1) return {Camera::parse(options.camera, shown, aspect, framing)};
+  const DVec3 middle = framing.shown.value_or(boundsOf(shown)).center();
+  const PointCloud outline = revolved(shown, framing);
+  framing.shown.reset();
+  const Camera first = Camera::parse(options.camera, outline, aspect, framing);
+  const DVec3 pivot = CameraRequest::parse(options.camera).target ? first.target : middle;
+  std::vector<Camera> cameras;
+  for (std::size_t k = 0; k < files.each.size(); ++k) {
+    constexpr double kAround = 2;  // heights of the picture
+    const double share = static_cast<double>(k) / static_cast<double>(files.each.size());
+    Camera camera = orbited(first, pivot, {kAround * share, 0}, DVec2(1));
+    camera.setDepthRange(boundsOf(shown), boundsOf(outline).longestSide());
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
 template <class Drawn>
 void draw(Context& context, const Model& model, const Drawn& drawn, const PictureOptions& options,
-          const Overlays& overlays, const std::string& file, const ColoredField* field = nullptr) {
+          const Overlays& overlays, const PictureFiles& files, const ColoredField* field = nullptr) {
   Device& device = context.device();
   const PictureSize size = parseSize(options.size);
   const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
@@ -152,39 +187,35 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   frameOf.light = lightOf(options.light, model, {.isSoftware = device.isCpu(), .barePoints = options.points});
   frameOf.overlays = overlays;
   frameOf.lines = modelLines(model, options.cameras);
+  const std::string& name = files.name;
   if (options.cameras && model.cameras.empty())
-    context.log().say("{}: no cameras are drawn: the model has no camera poses", file);
+    context.log().say("{}: no cameras are drawn: the model has no camera poses", name);
   Frame frame(device, size.width, size.height, options.samples > 1 ? 2 : 1);
   const Upright upright = uprightOf(model, options.look);
   const LengthUnit unit = unitOf(model.cloud, options.look);
   if (model.cloud.empty())
-    context.log().say("{}: the model has no points, and the picture is empty", file);
+    context.log().say("{}: the model has no points, and the picture is empty", name);
   else if (!upNamed(options.look.up))
-    context.log().say("{}: up is {}: {}", file, nameOf(upright.up), upright.why);
-  Framing framing = framingOf(model, upright.up);
-  // With lines beside the points, the picture shows all their positions.
-  const bool showsLines = !model.cloud.empty() && (model.container() || (options.cameras && !model.cameras.empty()));
-  if (showsLines) framing.shown.reset();
-  const Camera camera = Camera::parse(
-      options.camera, showsLines ? placesWithLines(model, options.cameras) : model.cloud, aspect, framing);
-  const double bar = options.scaleBar ? scaleBarLength(camera, size) : 0;
-  if (options.scaleBar) {
-    frameOf.overlays.scale = scaleBar(camera, size);
-    context.log().say("{}: the scale bar is {} long", file, lengthText(bar, unit));
-  }
+    context.log().say("{}: up is {}: {}", name, nameOf(upright.up), upright.why);
+  const std::vector<Camera> cameras = camerasFor(files, options, model, upright.up, aspect);
+  const double bar = options.scaleBar ? scaleBarLength(cameras.front(), size) : 0;
+  if (options.scaleBar) context.log().say("{}: the scale bar is {} long", name, lengthText(bar, unit));
+  const bool hasLegend = (frameOf.pass == ImagePass::final || frameOf.pass == ImagePass::color) && !model.cloud.empty();
   CommandList list(device, device.throughputQueue(), "frame",
                    options.printFrame ? CommandList::Timing::passes : CommandList::Timing::none);
-  list.begin();
-  frame.record(list, drawn, camera, frameOf);
-  list.end();
-  device.throughputQueue().run(list);
-  Image image = frame.readColor();
-  if (options.scaleBar) drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), lengthText(bar, unit));
-  const bool hasLegend = (frameOf.pass == ImagePass::final || frameOf.pass == ImagePass::color) && !model.cloud.empty();
-  if (hasLegend && field) drawLegend(image, field->legend(options.color));
-  if (hasLegend && frameOf.color == ColorBy(ColorSource::height))
-    drawLegend(image, heightLegend(model, upright.up, unit, frameOf.colorMap));
-  writeImage(file, image);
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    if (options.scaleBar) frameOf.overlays.scale = scaleBar(cameras[k], size);
+    list.begin();
+    frame.record(list, drawn, cameras[k], frameOf);
+    list.end();
+    device.throughputQueue().run(list);
+    Image image = frame.readColor();
+    if (options.scaleBar) drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), lengthText(bar, unit));
+    if (hasLegend && field) drawLegend(image, field->legend(options.color));
+    if (hasLegend && frameOf.color == ColorBy(ColorSource::height))
+      drawLegend(image, heightLegend(model, upright.up, unit, frameOf.colorMap));
+    writeImage(files.each[k], image);
+  }
   if (!options.depthFile.empty()) writePfm(options.depthFile, frame.readDepth());
   if (options.printFrame) printPasses(context.tables(), list.passes());
 }
@@ -206,16 +237,16 @@ std::optional<ColoredField> coloredField(const Context& context, const Model& mo
 }
 
 void takePicture(Context& context, const Model& model, const PicturedPoints& points, DrawnCloud& drawn,
-                 const PictureOptions& options, const Overlays& overlays, const std::string& file) {
+                 const PictureOptions& options, const Overlays& overlays, const PictureFiles& files) {
   drawn.closeSurface();
   const std::optional<ColoredField> field = coloredField(context, model, points, options);
   if (field) drawn.attributes().show(field->floats());
-  draw(context, model, drawn, options, overlays, file, field ? &*field : nullptr);
+  draw(context, model, drawn, options, overlays, files, field ? &*field : nullptr);
 }
 
 void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const ColoredField* field,
-                 const PictureOptions& options, const std::string& file) {
-  draw(context, model, drawn, options, {}, file, field);
+                 const PictureOptions& options, const Overlays& overlays, const PictureFiles& files) {
+  draw(context, model, drawn, options, overlays, files, field);
 }
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/cli/look.hpp"
+#include "apps/cli/turntable.hpp"
 #include "engine/render/frame.hpp"
 #include "haptics/session/colored_field.hpp"
 #include "haptics/session/light_config.hpp"
@@ -35,8 +36,9 @@ void addSamplesOption(Options& command, std::uint32_t& samples);
 /// Whether a picture shows the points' own colours.
 bool showsPaint(const PictureOptions& options);
 
-/// Checks the options as far as possible before anything is loaded. Throws UsageError.
-void checkPictureOptions(const PictureOptions& options);
+/// Checks the options of a picture of that name, if any, as far as possible before anything is loaded. Throws
+/// UsageError.
+void checkPictureOptions(const PictureOptions& options, const std::string& file);
 
 /// The points that are drawn, for their fields.
 struct PicturedPoints {
@@ -48,14 +50,14 @@ struct PicturedPoints {
 std::optional<ColoredField> coloredField(const Context& context, const Model& model, const PicturedPoints& points,
                                          const PictureOptions& options);
 
-/// Draws `drawn` (the GPU's copy of these points, made with the model's spacing) into `file`. Prints the passes on
+/// Draws `drawn` (the GPU's copy of these points, made with the model's spacing) into `files`. Prints the passes on
 /// request.
 void takePicture(Context& context, const Model& model, const PicturedPoints& points, DrawnCloud& drawn,
-                 const PictureOptions& options, const Overlays& overlays, const std::string& file);
+                 const PictureOptions& options, const Overlays& overlays, const PictureFiles& files);
 
 /// The same for a mesh of it, whose vertices have the colours of `field`, if any.
 void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const ColoredField* field,
-                 const PictureOptions& options, const std::string& file);
+                 const PictureOptions& options, const Overlays& overlays, const PictureFiles& files);
 
 /// The passes of a recording with their threads, bytes and last GPU times.
 void printPasses(std::FILE* out, const std::vector<PassRecord>& passes);

@@ -200,7 +200,7 @@ void drawEnd(Context& context, const TouchCommandOptions& options, const Session
               trace.rows.empty()
                   ? Overlays{}
                   : overlaysOf(trace.rows.back(), model.cloud.origin, model.shownBounds().longestSide(), tool),
-              options.pictureFile);
+              PictureFiles{options.pictureFile, {options.pictureFile}});
 }
 
 /// Checks the output files before the session.

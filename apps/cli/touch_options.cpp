@@ -109,7 +109,7 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
 }
 
 void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabilities& can) {
-  checkPictureOptions(options.picture);
+  checkPictureOptions(options.picture, options.pictureFile);
   checkHandOptions(options.hand, options.session.realtime);
   if (!furtherHands(options.hands, options.hand, options.session.realtime).empty() && !options.logFile.empty())
     throw UsageError("--log: a session log has one hand; leave out --log or --hand (its trace= keeps a trace)");

@@ -105,6 +105,11 @@ struct LookAlong {
   int axis;
   bool fromBehind;
 };
+/// Keeps the present view under a name, shows a kept one, or removes it.
+struct NamedViewCommand {
+  enum class What { remember, show, forget } what;
+  std::string name;  ///< empty: view 1, view 2 and so on
+};
 /// Sets a parameter of the simulation.
 struct SetParameter {
   std::string name;
@@ -157,9 +162,9 @@ struct CopyText {
 
 using ViewCommand =
     std::variant<WindowCommand, ModelCommand, StylusCommand, BrushCommand, SelectCommand, Answer, FileCommand,
-                 BrowseCommand, ModelSide, LookAlong, SetParameter, SetValue, SelectVolume, SetVolume, FlipPlane,
-                 MirrorAtPlane, MoveSelection, KeepSelection, SelectWhere, CleanModel, SetColorRange, SetTrueLength,
-                 DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
+                 BrowseCommand, ModelSide, LookAlong, NamedViewCommand, SetParameter, SetValue, SelectVolume, SetVolume,
+                 FlipPlane, MirrorAtPlane, MoveSelection, KeepSelection, SelectWhere, CleanModel, SetColorRange,
+                 SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

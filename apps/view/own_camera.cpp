@@ -2,13 +2,15 @@
 
 #include <utility>
 
+#include "engine/render/camera_motion.hpp"
 #include "haptics/sharing/ros.hpp"
 
 namespace palpate {
 
 CameraPlace placeOf(const Camera& camera, const DVec3& origin, double aspect) {
   const Camera::Axes axes = camera.axes();
-  return {.position = origin + camera.eye,
+  // Others see an orthographic camera as a pinhole camera that shows as much around its target.
+  return {.position = origin + projecting(camera, false).eye,
           .turn = glm::normalize(glm::quat_cast(glm::dmat3(axes.right, -axes.up, axes.forward))),
           .fovY_rad = glm::radians(camera.fov_deg),
           .aspect = aspect};

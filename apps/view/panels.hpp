@@ -15,6 +15,7 @@
 #include "apps/view/file_browser.hpp"
 #include "apps/view/gui.hpp"
 #include "apps/view/link_history.hpp"
+#include "apps/view/named_views.hpp"
 #include "apps/view/place_info.hpp"
 #include "apps/view/select_tool.hpp"
 #include "apps/view/settings.hpp"
@@ -42,6 +43,7 @@ struct ViewStatus {
   std::span<const std::string> models, recent;
   std::span<const std::string> gone;           ///< recent models that no longer exist
   std::string model;                           ///< the open model
+  std::vector<NamedView> views;                ///< of it
   std::string saveFile;                        ///< target of Save
   std::string changesQuestion;                 ///< empty: no question
   bool isChanged = false, mayBeSaved = false;  ///< Document::isChanged(), mayBeSaved()
@@ -178,6 +180,7 @@ class Panels {
   void drawLook(const ViewStatus& status, ViewSettings& view);
   void drawLight(LightConfig& light);
   void drawSides();
+  void drawViews(const ViewStatus& status);
   void drawFiles(const ViewStatus& status);
   bool drawEntries();
   bool drawName();
@@ -211,7 +214,7 @@ class Panels {
   Gui& gui_;
   ViewCommands commands_;  // posted in this frame
   std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{}, colorRange_{}, where_{}, selectionName_{},
-      volume_{}, way_{}, angles_{}, factor_{};
+      volume_{}, way_{}, angles_{}, factor_{}, viewName_{};
   std::string shownVolume_;  // numbers of the volume when they were last put into volume_
   DeviceState seenDevice_;
   bool paused_ = false;

@@ -69,7 +69,7 @@ void PointingDevices::press(MouseButton button, bool shift, const ViewSettings& 
   const auto place = placeUnderCursor(at);
   if (at.measure && left && !shift && place) {
     const Camera& camera = at.viewpoint.camera();
-    const double pixel = at.picked.depth / camera.focal_px(at.size_px.y);
+    const double pixel = camera.pixelSize(at.picked.depth, at.size_px.y);
     at.measure->take(pickedAt(*at.session, *place, pixel));
     drag_.beginOther();
     return;
@@ -200,7 +200,7 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
   const Model& model = at.session->model();
   const double inward_mm = hand_.takeInward_mm(view.press_mm);
   const double given_mm = at.session->givenWay_mm();
-  DVec3 way = model.scale.toUnits(inward_mm) * glm::normalize(place - at.viewpoint.camera().eye);
+  DVec3 way = -model.scale.toUnits(inward_mm) * at.viewpoint.camera().towardsViewer(place);
   if (inward_mm > 0 && given_mm > 0)
     way = -model.scale.toUnits(inward_mm + given_mm) * normalAt(at.picked, at.viewpoint.camera(), at.size_px);
   at.session->aim(model.cloud.origin + place + way, hand_.sculpts());

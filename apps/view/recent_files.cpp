@@ -9,23 +9,18 @@
 
 namespace palpate {
 
-namespace {
-
-std::filesystem::path storePath() {
+std::filesystem::path stateFile(const char* name) {
   const std::filesystem::path folder = stateFolder();
-  return folder.empty() ? folder : folder / "palpate" / "recent";
+  return folder.empty() ? folder : folder / "palpate" / name;
 }
 
-// Absolute path, or the name of a built-in scene. Empty: the model cannot be found again.
 std::string lastingName(const std::string& model) {
   std::error_code ignored;
   if (std::filesystem::exists(model, ignored)) return std::filesystem::absolute(model, ignored).string();
   return isBuiltInScene(model) ? model : std::string();
 }
 
-}  // namespace
-
-RecentFiles::RecentFiles() : store_(storePath()) {
+RecentFiles::RecentFiles() : store_(stateFile("recent")) {
   std::ifstream in(store_);
   for (std::string line; files_.size() + gone_.size() < kMax && std::getline(in, line);)
     if (!line.empty()) (lastingName(line).empty() ? gone_ : files_).push_back(line);

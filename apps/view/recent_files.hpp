@@ -6,6 +6,11 @@
 
 namespace palpate {
 
+/// Absolute path, or the name of a built-in scene. Empty: the model cannot be found again.
+std::string lastingName(const std::string& model);
+/// A file of this name for what the window remembers; empty: it has no folder for that.
+std::filesystem::path stateFile(const char* name);
+
 /// The models that were opened last, the latest first: kept in $XDG_STATE_HOME/palpate/recent (or ~/.local/state; on
 /// Windows %LOCALAPPDATA%).
 /// If that file cannot be read or written, the list lasts as long as the program.

@@ -180,7 +180,7 @@ DrawnOutline SelectTool::drawn(const SelectSettings& settings, const Pointed& at
   if (isBall(shape)) {
     const double depth = at.picked.depth > 0 ? at.picked.depth : at.viewpoint.targetDistance();
     const double radius = at.session->model().scale.toUnits(settings.brush_mm);
-    DrawnOutline drawn{.ball_px = radius * at.viewpoint.camera().focal_px(at.size_px.y) / depth};
+    DrawnOutline drawn{.ball_px = radius / at.viewpoint.camera().pixelSize(depth, at.size_px.y)};
     if (isDrawing) drawn.corners_px = path_px_;
     drawn.corners_px.push_back(cursor_px_);
     return drawn;

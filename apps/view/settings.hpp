@@ -23,6 +23,7 @@ struct ViewSettings {
   std::optional<LengthUnit> unit;
   double discRadius_mm = 0;  ///< 0: automatic, so that the discs close the surface
   bool smoothOutlines = false, scaleBar = true, dark = true;
+  bool orthographic = false;
   bool cameras = true;    ///< show the cameras that took pictures of the model
   bool measures = false;  ///< the left button picks the two positions of a measure
   bool mesh = false;

@@ -270,8 +270,22 @@ void Viewer::carryOut(const ViewCommand& command) {
   if (const auto* where = std::get_if<SelectWhere>(&command)) carryOut(*where);
   if (const auto* clean = std::get_if<CleanModel>(&command)) clean_.begin(*session, *clean, up);
   if (const auto* range = std::get_if<SetColorRange>(&command)) carryOut(*range);
+  if (const auto* view = std::get_if<NamedViewCommand>(&command)) carryOut(*view);
   // Opens the model again at the scale that gives the measure this length.
   if (const auto* length = std::get_if<SetTrueLength>(&command)) document_.openAtScale(measure_.scaleFor(length->text));
+}
+
+void Viewer::carryOut(const NamedViewCommand& command) {
+  using What = NamedViewCommand::What;
+  const std::string& model = document_.file();
+  const DVec3& origin = document_.session()->model().cloud.origin;
+  if (command.what == What::remember)
+    messages_.say("remembered as " + views_.remember(model, {command.name, textOf(viewpoint_.camera(), origin)}));
+  if (command.what == What::forget) views_.forget(model, command.name);
+  if (command.what != What::show) return;
+  for (const NamedView& view : views_.of(model))
+    if (view.name == command.name) viewpoint_.set(cameraOf(view.camera, origin, viewpoint_.camera()));
+  settings_.view.orthographic = viewpoint_.camera().isOrthographic();
 }
 
 void Viewer::carryOut(WindowCommand command) {

@@ -9,6 +9,7 @@
 #include "apps/view/held_device.hpp"
 #include "apps/view/keyboard.hpp"
 #include "apps/view/messages.hpp"
+#include "apps/view/named_views.hpp"
 #include "apps/view/own_camera.hpp"
 #include "apps/view/panels.hpp"
 #include "apps/view/picture_pace.hpp"
@@ -67,6 +68,7 @@ class Viewer {
   void carryOut(const SelectWhere& command);
   void followCleaning(WindowSession& session);
   void carryOut(const SetColorRange& command);
+  void carryOut(const NamedViewCommand& command);
   void load();
   void rest();
   void letGo();
@@ -114,6 +116,7 @@ class Viewer {
   std::string named_;  // in the window's title
   ShownModel shown_;
   Viewpoint viewpoint_;
+  NamedViews views_;
   DVec2 free_px_{0};  // Panels::freeWidth_px() in the last frame
   OwnCamera ownCamera_;
   EventQueue events_;

@@ -63,6 +63,7 @@ bool Viewer::draw(double dt_s) {
     shown_.fit(screen_.size_px(), settings_.view);
     layers.servoCore = session->session().live()->core();
     layers.model = &shown_.picture();
+    viewpoint_.project(settings_.view.orthographic);
     viewpoint_.setDepthRange(session->bounds(), session->longestSide());
     layers.modelDiffers = shown_.aim(*session, viewpoint_.camera(), settings_.view,
                                      pointing_.isTouching() || session->isPlaying(), pointing_.cursor_px());

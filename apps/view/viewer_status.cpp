@@ -11,7 +11,7 @@ namespace palpate {
 ViewStatus::ScaleBar Viewer::scaleOfPicture() const {
   const PictureSize size{screen_.size_px().x, screen_.size_px().y};
   const double length = scaleBarLength(viewpoint_.camera(), size);
-  const double width_px = length * viewpoint_.camera().focal_px(size.height) / viewpoint_.targetDistance();
+  const double width_px = length / viewpoint_.camera().pixelSize(viewpoint_.targetDistance(), size.height);
   return {.width_px = width_px, .length = length};
 }
 
@@ -71,6 +71,7 @@ ViewStatus Viewer::status() {
   status.picked = picked_.info;
   if (session) {
     status.model = document_.file();
+    status.views = views_.of(status.model);
     if (const SimulationControl* const simulation = session->session().simulation()) {
       status.parameters = simulation->parameters();
       status.simulationPaused = simulation->isPaused();

@@ -27,6 +27,7 @@ class Viewpoint {
     camera_ = alongAxis(camera_, axis, fromAbove, up, front);
   }
   void lookFrom(ModelSide side, UpAxis up, const DVec3& front) { camera_ = fromSide(camera_, side, up, front); }
+  void project(bool orthographic) { camera_ = projecting(camera_, orthographic); }
   void lookAt(const DVec3& place);
   /// Rotates about the target.
   void turn(const DVec2& way_px, const DVec2& size_px);

@@ -110,6 +110,8 @@ constexpr Reported<WindowState> kWindow[]{
      [](const WindowState& w) -> Value { return vectorJson(w.camera.target); }},
     {"camera.up", "", "direction that is up in the picture",
      [](const WindowState& w) -> Value { return vectorJson(w.camera.up); }},
+    {"camera.ortho", "model units", "height of the orthographic picture; null: it has perspective",
+     [](const WindowState& w) -> Value { return w.camera.isOrthographic() ? Json(w.camera.height) : Json(nullptr); }},
     {"size", "px", "width and height of the window",
      [](const WindowState& w) -> Value {
        return Json{w.size_px.x, w.size_px.y};

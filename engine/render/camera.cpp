@@ -37,11 +37,14 @@ double sizeOf(const Bounds& box) {
 /// A camera with the axes of `camera` whose picture contains all points and touches them at two opposite borders. A
 /// point at x and depth z, seen from an eye at (ex, -D), is inside if |x - ex| <= t (z + D), t being the tangent of
 /// half the field of view. So each border is one linear bound, and a pair of bounds gives ex and D directly. A ball
-/// around the point moves each bound outwards by its radius over the cosine of half the field of view.
+/// around the point moves each bound outwards by its radius over the cosine of half the field of view. Orthographic
+/// bounds are those of x and y alone, and give the middle and the height.
 template <class Points>
-Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double aspect, double margin) {
+Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double aspect, double margin,
+              bool orthographic) {
   const Camera::Axes axes = camera.axes();
-  const double ty = kFill * std::tan(glm::radians(camera.fov_deg) / 2), tx = ty * aspect;
+  const double half = kFill * std::tan(glm::radians(camera.fov_deg) / 2);
+  const double ty = orthographic ? 0 : half, tx = ty * aspect;
   const double mx = margin * std::sqrt(1 + tx * tx), my = margin * std::sqrt(1 + ty * ty);
   const DVec3 center = bounds.center();
   constexpr double kNone = -std::numeric_limits<double>::infinity();
@@ -57,21 +60,24 @@ Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double 
   }
   const bool any = nearest > kNone;
   const double x = any ? (right - left) / 2 : 0, y = any ? (top - bottom) / 2 : 0;
-  const double wanted = any ? std::max((right + left) / (2 * tx), (top + bottom) / (2 * ty)) : 0;
+  const double wanted = any ? std::max((right + left) / (2 * half * aspect), (top + bottom) / (2 * half)) : 0;
   const double distance = std::max(wanted, (any ? nearest : 0) + kClosest * sizeOf(bounds));
   camera.target = center + x * axes.right + y * axes.up;
   camera.eye = camera.target - distance * axes.forward;
+  if (orthographic) camera.height = 2 * half / kFill * (wanted > 0 ? wanted : distance);
   camera.setDepthRange(bounds, sizeOf(bounds));
   return camera;
 }
 
-/// At the origin, looking from the front and slightly from above.
-Camera frontCamera(const Bounds& bounds, double fov_deg, UpAxis up, const DVec3& front) {
-  const DVec3 top = directionOf(up), side = bounds.max - bounds.min;
+/// At the origin, looking from the front and slightly from above, or isometrically.
+Camera frontCamera(const Bounds& bounds, double fov_deg, const Framing& framing) {
+  const DVec3 top = directionOf(framing.up), side = bounds.max - bounds.min;
+  if (framing.isometric)
+    return {.eye = glm::normalize(framing.front + glm::cross(top, framing.front) + top), .up = top, .fov_deg = fov_deg};
   const double height = std::abs(glm::dot(side, top)), width = bounds.longestSide();
   const double flat = width > 0 ? std::max(0.0, 1 - height / (kLow * width)) : 0;
   const double elevation = glm::radians(glm::mix(kFrontElevation_deg, kFlatElevation_deg, flat));
-  return {.eye = std::sin(elevation) * top + std::cos(elevation) * front, .up = top, .fov_deg = fov_deg};
+  return {.eye = std::sin(elevation) * top + std::cos(elevation) * framing.front, .up = top, .fov_deg = fov_deg};
 }
 
 bool parallel(const DVec3& a, const DVec3& b) {
@@ -98,13 +104,21 @@ DVec3 parseVector(std::string_view text, std::string_view word) {
   return v;
 }
 
+double parseHeight(std::string_view text, std::string_view word) {
+  const double height = parseNumber(text, word);
+  if (!(height > 0)) throw UsageError("camera: '{}' is not a height above 0, model units", word);
+  return height;
+}
+
 template <class T>
 void setOnce(std::optional<T>& field, T value, std::string_view key) {
   if (field) throw UsageError("camera: '{}' is given twice", key);
   field = value;
 }
 
-CameraRequest parseCamera(std::string_view text) {
+}  // namespace
+
+CameraRequest CameraRequest::parse(std::string_view text) {
   CameraRequest given;
   while (true) {
     const std::size_t begin = text.find_first_not_of(" \t");
@@ -123,39 +137,48 @@ CameraRequest parseCamera(std::string_view text) {
       setOnce(given.up, parseVector(value, word), key);
     } else if (key == "fov") {
       setOnce(given.fov_deg, parseNumber(value, word), key);
+    } else if (key == "ortho") {
+      setOnce(given.ortho, word == key ? 0 : parseHeight(value, word), key);
+    } else if (word == "isometric") {
+      given.isometric = true;
     } else {
-      throw UsageError("camera: '{}' is not known; known are eye=x,y,z target=x,y,z up=x,y,z fov=degrees", word);
+      throw UsageError(
+          "camera: '{}' is not known; known are eye=x,y,z target=x,y,z up=x,y,z fov=degrees ortho=height isometric",
+          word);
     }
   }
 }
 
-}  // namespace
-
 Camera Camera::fitting(const Bounds& bounds, double aspect, double fov_deg, UpAxis up, double margin) {
-  return fitted(frontCamera(bounds, fov_deg, up, frontOf(up)), bounds, cornersOf(bounds), aspect, margin);
+  const Camera front = frontCamera(bounds, fov_deg, {.up = up, .front = frontOf(up)});
+  return fitted(front, bounds, cornersOf(bounds), aspect, margin, false);
 }
 
 Camera Camera::fitting(const PointCloud& cloud, double aspect, double fov_deg, const Framing& framing) {
   const Bounds all = boundsOf(cloud), shown = framing.shown.value_or(all);
-  const Camera front = frontCamera(shown, fov_deg, framing.up, framing.front);
-  if (shown == all) return fitted(front, all, cloud.positions, aspect, framing.margin);
+  const Camera front = frontCamera(shown, fov_deg, framing);
+  if (shown == all) return fitted(front, all, cloud.positions, aspect, framing.margin, framing.orthographic);
   std::vector<Vec3> inside;
   for (const Vec3& p : cloud.positions)
     if (shown.contains(DVec3(p))) inside.push_back(p);
-  Camera camera = fitted(front, shown, inside, aspect, framing.margin);
+  Camera camera = fitted(front, shown, inside, aspect, framing.margin, framing.orthographic);
   camera.setDepthRange(all, sizeOf(shown));
   return camera;
 }
 
 Camera Camera::parse(std::string_view text, const PointCloud& cloud, double aspect, const Framing& framing) {
-  return asked(parseCamera(text), cloud, aspect, framing);
+  return asked(CameraRequest::parse(text), cloud, aspect, framing);
 }
 
-Camera Camera::asked(const CameraRequest& given, const PointCloud& cloud, double aspect, const Framing& framing) {
+Camera Camera::asked(const CameraRequest& given, const PointCloud& cloud, double aspect, const Framing& wanted) {
+  Framing framing = wanted;
+  framing.isometric |= given.isometric;
+  framing.orthographic |= given.ortho || given.isometric;
   const double fov_deg = given.fov_deg.value_or(45);
   if (!(fov_deg >= 1 && fov_deg <= 170)) throw UsageError("camera: fov={} is not between 1 and 170 degrees", fov_deg);
   Camera camera = fitting(cloud, aspect, fov_deg, framing);
   const DVec3 fittedOffset = camera.eye - camera.target;
+  if (given.ortho.value_or(0) > 0) camera.height = *given.ortho;
   if (given.target) camera.target = *given.target - cloud.origin;
   camera.eye = given.eye ? *given.eye - cloud.origin : camera.target + fittedOffset;
   const DVec3 direction = camera.target - camera.eye;
@@ -173,8 +196,13 @@ Camera Camera::asked(const CameraRequest& given, const PointCloud& cloud, double
 }
 
 void Camera::setDepthRange(const Bounds& bounds, double size) {
-  const DVec2 range = depthRangeOf(*this, bounds);
+  DVec2 range = depthRangeOf(*this, bounds);
   const double least = kNearestShare * (size > 0 ? size : 1);
+  if (isOrthographic() && range.x < 2 * least) {
+    const double back = 0.5 * sizeOf(bounds) - range.x;
+    eye -= back * axes().forward;
+    range += back;
+  }
   nearDepth = std::max(0.5 * range.x, least);
   farDepth = std::max(2 * range.y, nearDepth + sizeOf(bounds));
 }
@@ -185,11 +213,17 @@ Camera::Axes Camera::axes() const {
   return {right, glm::cross(right, forward), forward};
 }
 
-double Camera::focal_px(double height_px) const { return 0.5 * height_px / std::tan(glm::radians(fov_deg) / 2); }
+double Camera::focal_px(double height_px) const {
+  return isOrthographic() ? height_px / height : 0.5 * height_px / std::tan(glm::radians(fov_deg) / 2);
+}
+
+DVec3 Camera::towardsViewer(const DVec3& position) const {
+  return isOrthographic() ? -axes().forward : glm::normalize(eye - position);
+}
 
 DVec3 Camera::unproject(const DVec2& place_px, double depth, const DVec2& size_px) const {
   const Axes a = axes();
-  const DVec2 offset = depth / focal_px(size_px.y) * (place_px - center * size_px);
+  const DVec2 offset = pixelSize(depth, size_px.y) * (place_px - center * size_px);
   return eye + depth * a.forward + offset.x * a.right - offset.y * a.up;
 }
 
@@ -198,7 +232,7 @@ std::optional<DVec3> Camera::project(const DVec3& position, const DVec2& size_px
   const DVec3 p = position - eye;
   const double depth = glm::dot(p, a.forward);
   if (depth < nearDepth) return std::nullopt;
-  const double scale = focal_px(size_px.y) / depth;
+  const double scale = focal_px(size_px.y) / divisorAt(depth);
   const DVec2 middle_px = center * size_px;
   return DVec3(middle_px.x + scale * glm::dot(p, a.right), middle_px.y - scale * glm::dot(p, a.up), depth);
 }
@@ -220,12 +254,41 @@ Mat4 Camera::projection(double aspect) const {
   Mat4 m(0);
   m[0][0] = static_cast<float>(f / aspect);
   m[1][1] = static_cast<float>(-f);
+  if (isOrthographic()) {
+    m[2][2] = static_cast<float>(-1 / range);
+    m[3] = {static_cast<float>(2 * center.x - 1), static_cast<float>(2 * center.y - 1),
+            static_cast<float>(-nearDepth / range), 1};
+    return m;
+  }
   m[2][0] = static_cast<float>(1 - 2 * center.x);  // depth is the negative of z
   m[2][1] = static_cast<float>(1 - 2 * center.y);
   m[2][2] = static_cast<float>(-farDepth / range);
   m[2][3] = -1;
   m[3][2] = static_cast<float>(-farDepth * nearDepth / range);
   return m;
+}
+
+std::string textOf(const Camera& camera, const DVec3& origin) {
+  const auto vector = [](const DVec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); };
+  return fmt::format("eye={} target={} up={} fov={}", vector(camera.eye + origin), vector(camera.target + origin),
+                     vector(camera.up), camera.fov_deg) +
+         (camera.isOrthographic() ? fmt::format(" ortho={}", camera.height) : "");
+}
+
+Camera cameraOf(std::string_view text, const DVec3& origin, const Camera& present) {
+  const CameraRequest request = CameraRequest::parse(text);
+  if (!request.eye || !request.target || !request.up)
+    throw UsageError("camera: '{}' does not have eye, target and up", text);
+  Camera camera = present;
+  camera.eye = *request.eye - origin;
+  camera.target = *request.target - origin;
+  camera.up = *request.up;
+  camera.fov_deg = request.fov_deg.value_or(present.fov_deg);
+  camera.height = request.ortho.value_or(0);
+  const DVec3 direction = camera.target - camera.eye;
+  if (glm::length(direction) == 0 || glm::length(camera.up) == 0 || parallel(camera.up, direction))
+    throw UsageError("camera: '{}' has no direction of view, or up is along it", text);
+  return camera;
 }
 
 DVec2 depthRangeOf(const Camera& camera, const Bounds& bounds) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -15,21 +16,31 @@ struct Framing {
   UpAxis up = UpAxis::y;
   DVec3 front = frontOf(up);  ///< unit: towards the viewer
   double margin = 0;          ///< around each point, model units: radius of its disc
+  bool isometric = false;     ///< from the front, the right and above alike; else from the front
+  bool orthographic = false;
 };
 
 /// Parameters of a camera; missing ones come from Camera::fitting(). Positions in file coordinates.
 struct CameraRequest {
   std::optional<DVec3> eye, target, up;
   std::optional<double> fov_deg;  ///< vertical, 1 to 170
+  std::optional<double> ortho;    ///< orthographic: height of the picture, model units; 0: so that the model fills it
+  bool isometric = false;         ///< orthographic, and seen from the front, the right and above alike
+
+  /// From `eye=x,y,z target=x,y,z up=x,y,z fov=degrees ortho=height isometric`, any of them in any order, separated by
+  /// spaces. Throws UsageError.
+  static CameraRequest parse(std::string_view text);
 };
 
-/// A pinhole camera. Positions are model units relative to the cloud's origin, as in PointCloud::positions.
-/// Eye space: x right, y up, depth along the view direction. Pictures have pixel (0, 0) at the top left.
+/// A pinhole camera, or an orthographic one. Positions are model units relative to the cloud's origin, as in
+/// PointCloud::positions. Eye space: x right, y up, depth along the view direction. Pictures have pixel (0, 0) at the
+/// top left.
 struct Camera {
   DVec3 eye{0, 0, 1};
   DVec3 target{0};
   DVec3 up{0, 1, 0};        ///< need not be perpendicular to the view, only not along it
   double fov_deg = 45;      ///< vertical
+  double height = 0;        ///< of an orthographic picture, model units, at any depth; 0: a pinhole camera
   double nearDepth = 0.01;  ///< closer points are not drawn
   double farDepth = 100;    ///< for projection() only
   DVec2 center{0.5};        ///< position of the target: shares of the picture's width and height, from the top left
@@ -46,11 +57,12 @@ struct Camera {
   /// A camera as requested. Throws UsageError for invalid parameters.
   static Camera asked(const CameraRequest& request, const PointCloud& cloud, double aspect,
                       const Framing& framing = {});
-  /// The same from `eye=x,y,z target=x,y,z up=x,y,z fov=degrees`, any of them in any order, separated by spaces.
+  /// The same from a text for CameraRequest::parse().
   static Camera parse(std::string_view text, const PointCloud& cloud, double aspect, const Framing& framing = {});
 
   /// Sets near and far so that the part of `bounds` in front of the eye lies between them, or in front of it if nearer
-  /// than a thousandth of the size of what the picture is of; 0 counts as 1.
+  /// than a thousandth of the size of what the picture is of; 0 counts as 1. An orthographic camera moves back until
+  /// all of it is in front.
   void setDepthRange(const Bounds& bounds, double size);
 
   /// Unit vectors: right, up, and forward (from the eye to the target).
@@ -59,8 +71,15 @@ struct Camera {
   };
   Axes axes() const;
 
-  /// Pixels that one unit covers at depth 1.
+  bool isOrthographic() const { return height > 0; }
+  /// Pixels that one unit covers at depth 1; orthographic: at any depth.
   double focal_px(double height_px) const;
+  /// What lengths at a depth are divided by in the picture.
+  double divisorAt(double depth) const { return isOrthographic() ? 1 : depth; }
+  /// Model units that a pixel covers at a depth.
+  double pixelSize(double depth, double height_px) const { return divisorAt(depth) / focal_px(height_px); }
+  /// Unit, from a position against the direction in which it is seen.
+  DVec3 towardsViewer(const DVec3& position) const;
   /// The point at `depth` that appears at `place_px` (pixels from the top left corner).
   DVec3 unproject(const DVec2& place_px, double depth, const DVec2& size_px) const;
   /// Position of a point in the picture: x and y in pixels from the top left corner, z its depth. Nothing if it is
@@ -71,6 +90,11 @@ struct Camera {
   Mat4 view() const;
   Mat4 projection(double aspect) const;
 };
+
+/// The camera as a text for Camera::parse(), in file coordinates. `origin`: of the cloud.
+std::string textOf(const Camera& camera, const DVec3& origin);
+/// The camera of such a text, with the depth range and centre of `present`. Throws UsageError.
+Camera cameraOf(std::string_view text, const DVec3& origin, const Camera& present);
 
 /// Depths of the nearest and the farthest corner of a box; negative behind the eye.
 DVec2 depthRangeOf(const Camera& camera, const Bounds& bounds);

@@ -37,8 +37,7 @@ Camera orbited(const Camera& camera, const DVec3& pivot, const DVec2& way_px, co
 
 Camera panned(const Camera& camera, double depth, const DVec2& way_px, const DVec2& size_px) {
   const Camera::Axes axes = camera.axes();
-  const double perPixel = depth / camera.focal_px(size_px.y);
-  const DVec3 way = perPixel * (-way_px.x * axes.right + way_px.y * axes.up);
+  const DVec3 way = camera.pixelSize(depth, size_px.y) * (-way_px.x * axes.right + way_px.y * axes.up);
   Camera result = camera;
   result.eye += way;
   result.target += way;
@@ -46,13 +45,34 @@ Camera panned(const Camera& camera, double depth, const DVec2& way_px, const DVe
 }
 
 Camera zoomed(const Camera& camera, const DVec3& point, double factor, double nearest, double farthest) {
-  const double distance = glm::distance(camera.eye, point);
+  const double distance = camera.isOrthographic() ? camera.height : glm::distance(camera.eye, point);
   if (!(distance > 0)) return camera;
   const double left =
       std::clamp(factor * distance, std::min(nearest, distance), std::max(farthest, distance)) / distance;
   Camera result = camera;
+  if (camera.isOrthographic()) {
+    const DVec3 forward = camera.axes().forward, away = point - camera.eye;
+    const DVec3 way = (1 - left) * (away - glm::dot(away, forward) * forward);
+    result.eye += way;
+    result.target += way;
+    result.height = left * camera.height;
+    return result;
+  }
   result.eye = point + left * (camera.eye - point);
   result.target = point + left * (camera.target - point);
+  return result;
+}
+
+Camera projecting(const Camera& camera, bool orthographic) {
+  if (orthographic == camera.isOrthographic()) return camera;
+  Camera result = camera;
+  const double perDistance = 2 * std::tan(glm::radians(camera.fov_deg) / 2);
+  if (orthographic) {
+    result.height = perDistance * glm::distance(camera.eye, camera.target);
+  } else {
+    result.height = 0;
+    result.eye = camera.target - camera.height / perDistance * camera.axes().forward;
+  }
   return result;
 }
 

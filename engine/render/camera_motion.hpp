@@ -13,9 +13,12 @@ Camera orbited(const Camera& camera, const DVec3& pivot, const DVec2& way_px, co
 /// Moves so that what is seen at `depth` follows the mouse.
 Camera panned(const Camera& camera, double depth, const DVec2& way_px, const DVec2& size_px);
 
-/// Moves towards `point`, which keeps its screen position, to `factor` times its distance. The distance stays between
-/// `nearest` and `farthest`.
+/// Moves towards `point`, which keeps its screen position, to `factor` times its distance, or shows `factor` times the
+/// height if orthographic. The distance, or that height, stays between `nearest` and `farthest`.
 Camera zoomed(const Camera& camera, const DVec3& point, double factor, double nearest, double farthest);
+
+/// Orthographic, or a pinhole camera, that shows as much at the target.
+Camera projecting(const Camera& camera, bool orthographic);
 
 /// Looks at `point` from the same direction and distance.
 Camera recentred(const Camera& camera, const DVec3& point);

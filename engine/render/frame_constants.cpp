@@ -53,7 +53,7 @@ shared::RenderView viewOf(const Camera& camera, const FrameSize& size) {
           .up = Vec3(axes.up),
           .supersample = size.supersample,
           .forward = Vec3(axes.forward),
-          .unused = 0,
+          .isOrthographic = camera.isOrthographic(),
           .center_px = Vec2(camera.center * DVec2(size_px)),
           .size_px = size_px};
 }
@@ -99,7 +99,7 @@ double usualRadius(const DrawnCloud& cloud, const FrameOptions& options) {
 double usualDrawnRadius(const Drawn& drawn, const Camera& camera, std::uint32_t height_px) {
   if (drawn.everyPoint) return drawn.usualRadius;
   const double middle = glm::distance(camera.eye, drawn.bounds.center());
-  return std::max(drawn.usualRadius, shared::kFinestSplat * middle / camera.focal_px(height_px));
+  return std::max(drawn.usualRadius, shared::kFinestSplat * camera.divisorAt(middle) / camera.focal_px(height_px));
 }
 
 // Bounding box of a ball on screen, pixels: left, top, right, bottom. The whole screen if the ball comes too close to
@@ -113,9 +113,9 @@ std::array<DVec2, 2> boxOf(const Overlays::Ball& ball, const Camera& camera, con
   const DVec2 aside(glm::dot(offset, axes.right), -glm::dot(offset, axes.up));
   // Upper bound: every part of the ball at its smallest depth and largest offset.
   constexpr double kSlack_px = 4;  // lines have a minimum width
-  const double reach_px =
-      focal_px * (ball.radius + glm::length(aside)) / nearest - focal_px * glm::length(aside) / depth + kSlack_px;
-  const DVec2 at_px = camera.center * size_px + focal_px / depth * aside;
+  const double reach_px = focal_px * (ball.radius + glm::length(aside)) / camera.divisorAt(nearest) -
+                          focal_px * glm::length(aside) / camera.divisorAt(depth) + kSlack_px;
+  const DVec2 at_px = camera.center * size_px + focal_px / camera.divisorAt(depth) * aside;
   return {at_px - reach_px, at_px + reach_px};
 }
 
@@ -186,7 +186,7 @@ Drawn drawn(const DrawnMesh& mesh) {
 
 std::uint32_t tilesOf(const Drawn& drawn, const Camera& camera, std::uint32_t height_px) {
   const double nearest = std::max(depthRangeOf(camera, drawn.bounds).x, camera.nearDepth);
-  const double side_px = drawn.widest * camera.focal_px(height_px) / nearest + 2;
+  const double side_px = drawn.widest * camera.focal_px(height_px) / camera.divisorAt(nearest) + 2;
   const double affordable = std::sqrt(double{shared::kMaxTriangleInvocations} / std::max(drawn.count, 1u));
   const double most = std::clamp(std::floor(affordable), 1.0, double{shared::kMaxTriangleTiles});
   return static_cast<std::uint32_t>(std::clamp(std::ceil(side_px / shared::kTriangleTile), 1.0, most));
@@ -231,9 +231,9 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .colorMap = static_cast<std::uint32_t>(options.colorMap),
                             .material = static_cast<std::uint32_t>(options.light.material),
                             .unpainted = unpainted(options.light.material),
-                            .unused = 0};
+                            .backgroundOpacity = options.transparent ? 0.f : 1.f};
   if (drawn.closeHoles) {
-    const double radius_px = usual * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
+    const double radius_px = usual * frame.view.focal_px / camera.divisorAt(std::max(depths.x, camera.nearDepth));
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));
   }
   // No sum may reach 2^31, even if all add up in one sample.
@@ -243,6 +243,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
     for (int k = 0; k < 3; ++k)
       frame.backgroundTop[k] = frame.backgroundBottom[k] =
           linearFromSrgb((*options.background)[static_cast<std::size_t>(k)]);
+  if (options.transparent) frame.backgroundTop = frame.backgroundBottom = Vec3(0);
   return frame;
 }
 

@@ -93,6 +93,8 @@ HardwareRaster::HardwareRaster(Device& device, const UVec2& size_px)
 
 void HardwareRaster::record(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target,
                             const shared::RenderFrame& frame, double widest) {
+  if (frame.view.isOrthographic != 0)
+    throw UsageError("raster: hardware cannot draw with an orthographic camera{}", kInstead);
   const bool hasColors = frame.hasColors != 0;
   if (hasColors && !colors_) {
     colors_ = std::make_unique<Attachment>(device_, depth_.size_px(), kSumFormat, "hardware colors");

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Rows from the top; one RGBA8 word per pixel, red in the lowest byte.
+/// Rows from the top; one RGBA8 word per pixel, red in the lowest byte. Colours are not multiplied by opacity.
 struct Image {
   std::uint32_t width = 0, height = 0;
   std::vector<std::array<std::uint8_t, 4>> rgba;

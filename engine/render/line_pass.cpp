@@ -26,11 +26,11 @@ bool isDrawable(const SpaceLine& line) {
   return true;
 }
 
-/// The planes that bound the visible space, in eye space: visible positions have no negative distance from any plane.
+/// The planes that bound the visible space, in eye space; those at the sides by x, y and the divisor. Visible positions
+/// have no negative distance from any plane.
 class SeenSpace {
  public:
-  SeenSpace(const Camera& camera, const UVec2& size_px)
-      : axes_(camera.axes()), eye_(camera.eye), near_(camera.nearDepth) {
+  SeenSpace(const Camera& camera, const UVec2& size_px) : axes_(camera.axes()), camera_(camera) {
     const double beside_px = shared::kWidestLine_px;  // margin for the width of lines beside the picture
     const double focal_px = camera.focal_px(size_px.y);
     const DVec2 size(size_px), middle_px = camera.center * size;
@@ -42,17 +42,18 @@ class SeenSpace {
   std::optional<std::array<DVec3, 2>> partOf(const SpaceLine& line) const {
     const DVec3 from = inEye(line.from), to = inEye(line.to);
     DVec2 part(0, 1);
-    cut(from.z - near_, to.z - near_, part);
-    for (const DVec3& side : sides_) cut(glm::dot(side, from), glm::dot(side, to), part);
+    cut(from.z - camera_.nearDepth, to.z - camera_.nearDepth, part);
+    for (const DVec3& side : sides_) cut(glm::dot(side, divided(from)), glm::dot(side, divided(to)), part);
     if (!(part.x <= part.y)) return std::nullopt;
     return std::array{from + part.x * (to - from), from + part.y * (to - from)};
   }
 
  private:
   DVec3 inEye(const DVec3& place) const {
-    const DVec3 way = place - eye_;
+    const DVec3 way = place - camera_.eye;
     return {glm::dot(axes_.right, way), glm::dot(axes_.up, way), glm::dot(axes_.forward, way)};
   }
+  DVec3 divided(const DVec3& inEye) const { return {inEye.x, inEye.y, camera_.divisorAt(inEye.z)}; }
   /// Cuts off the part behind a plane, given the distances of both ends from it.
   static void cut(double from, double to, DVec2& part) {
     if (from < 0 && to < 0) part = {1, 0};
@@ -61,8 +62,7 @@ class SeenSpace {
   }
 
   Camera::Axes axes_;
-  DVec3 eye_;
-  double near_;
+  Camera camera_;
   std::array<DVec3, 4> sides_{};
 };
 

@@ -12,25 +12,24 @@ namespace {
 class Projection {
  public:
   Projection(const Camera& camera, const DVec2& size_px)
-      : eye_(camera.eye),
+      : camera_(camera),
         axes_(camera.axes()),
         middle_px_(camera.center * size_px),
-        focal_px_(camera.focal_px(size_px.y)),
-        near_(camera.nearDepth) {}
+        focal_px_(camera.focal_px(size_px.y)) {}
 
   /// Pixels, and depth; a depth below that of the nearest point that is drawn: it is not in the picture.
   DVec3 operator()(const Vec3& position) const {
-    const DVec3 p = DVec3(position) - eye_;
-    const double depth = glm::dot(p, axes_.forward), scale = focal_px_ / depth;
+    const DVec3 p = DVec3(position) - camera_.eye;
+    const double depth = glm::dot(p, axes_.forward), scale = focal_px_ / camera_.divisorAt(depth);
     return {middle_px_.x + scale * glm::dot(p, axes_.right), middle_px_.y - scale * glm::dot(p, axes_.up), depth};
   }
-  bool shows(const DVec3& projected) const { return projected.z >= near_; }
+  bool shows(const DVec3& projected) const { return projected.z >= camera_.nearDepth; }
 
  private:
-  DVec3 eye_;
+  Camera camera_;
   Camera::Axes axes_;
   DVec2 middle_px_;
-  double focal_px_, near_;
+  double focal_px_;
 };
 
 }  // namespace
@@ -62,13 +61,13 @@ PointBits firstSurface(std::span<const PointState> points, const PointBits& amon
     const DVec3 at = project(points[i].position);
     const bool isInPicture = at.x >= 0 && at.y >= 0 && at.x < picture.size_px.x && at.y < picture.size_px.y;
     if (!project.shows(at) || !isInPicture) return false;
-    const DVec3 toEye = picture.camera.eye - DVec3(points[i].position);
-    const double cosine = glm::dot(DVec3(points[i].normal), toEye) / glm::length(toEye), across = std::abs(cosine);
+    const DVec3 toEye = picture.camera.towardsViewer(DVec3(points[i].position));
+    const double cosine = glm::dot(DVec3(points[i].normal), toEye), across = std::abs(cosine);
     const bool isKnown = points[i].normal != Vec3(0);
     const double slope =
         isKnown ? std::min(kSteepest, std::sqrt(std::max(0.0, 1 - across * across)) / across) : kUnknown;
     const double front = picture.depthAt(DVec2(at));
-    if (front > 0 && !(at.z <= front + tolerance + aside * at.z * slope)) return false;
+    if (front > 0 && !(at.z <= front + tolerance + aside * picture.camera.divisorAt(at.z) * slope)) return false;
     const bool isGrazing = across < kGrazing;
     if (cosine > 0) facing[isGrazing ? grazingEye : eye].set(i);
     if (cosine < 0) facing[isGrazing ? grazingAway : away].set(i);

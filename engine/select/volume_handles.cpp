@@ -14,16 +14,21 @@ constexpr double kNear_px = 11;  // of the cursor to a handle
 
 double longest(const DVec3& v) { return std::max({v.x, v.y, v.z}); }
 
-// Unit vector from the eye through a pixel.
-DVec3 directionTo(const DVec2& place_px, const Camera& camera, const DVec2& size_px) {
-  return glm::normalize(camera.unproject(place_px, 1, size_px) - camera.eye);
+// The ray through a pixel, with a unit direction.
+struct Ray {
+  DVec3 from, direction;
+};
+Ray rayThrough(const DVec2& place_px, const Camera& camera, const DVec2& size_px) {
+  const DVec3 from = camera.unproject(place_px, 0, size_px);
+  return {from, glm::normalize(camera.unproject(place_px, 1, size_px) - from)};
 }
 
 // Position along an axis through `centre` that is nearest to the ray through a pixel; 0 if the axis points to the eye.
 double alongAxis(const DVec3& centre, const DVec3& axis, const DVec2& place_px, const Camera& camera,
                  const DVec2& size_px) {
   constexpr double kParallel = 1e-4;
-  const DVec3 ray = directionTo(place_px, camera, size_px), from = camera.eye - centre;
+  const auto [eye, ray] = rayThrough(place_px, camera, size_px);
+  const DVec3 from = eye - centre;
   const double cosine = glm::dot(axis, ray), square = 1 - cosine * cosine;
   return square > kParallel ? (glm::dot(axis, from) - cosine * glm::dot(ray, from)) / square : 0;
 }
@@ -34,16 +39,16 @@ double angleAbout(const DVec3& centre, const std::array<DVec3, 3>& axes, const D
                   const DVec2& size_px) {
   constexpr double kEdge = 0.2;
   const auto& [u, v, axis] = axes;
-  const DVec3 ray = directionTo(place_px, camera, size_px);
+  const auto [eye, ray] = rayThrough(place_px, camera, size_px);
   const double facing = glm::dot(axis, ray);
   if (std::abs(facing) > kEdge) {
-    const DVec3 arm = camera.eye + glm::dot(centre - camera.eye, axis) / facing * ray - centre;
+    const DVec3 arm = eye + glm::dot(centre - eye, axis) / facing * ray - centre;
     return std::atan2(glm::dot(arm, v), glm::dot(arm, u));
   }
   const auto centre_px = camera.project(centre, size_px);
   if (!centre_px) return 0;
   const DVec2 arm = place_px - DVec2(*centre_px);
-  return (glm::dot(axis, camera.eye - centre) > 0 ? -1 : 1) * std::atan2(arm.y, arm.x);
+  return (glm::dot(axis, camera.towardsViewer(centre)) > 0 ? -1 : 1) * std::atan2(arm.y, arm.x);
 }
 
 }  // namespace
@@ -166,9 +171,11 @@ std::vector<std::array<DVec3, 2>> HandledVolume::edges(const Camera& camera) con
     constexpr int kParts = 48;
     const Camera::Axes eye = camera.axes();
     // As it is seen: its silhouette, and its equator.
-    const DVec3 toEye = camera.eye - volume.centre;
-    const double ratio = std::min(volume.half.x / std::max(glm::length(toEye), volume.half.x), 1 - 1e-6);
-    const DVec3 shift = ratio * volume.half.x * glm::normalize(toEye);
+    const DVec3 toEye = camera.towardsViewer(volume.centre);
+    const double distance = glm::distance(camera.eye, volume.centre);
+    const double ratio =
+        camera.isOrthographic() ? 0 : std::min(volume.half.x / std::max(distance, volume.half.x), 1 - 1e-6);
+    const DVec3 shift = ratio * volume.half.x * toEye;
     const double radius = volume.half.x * std::sqrt(1 - ratio * ratio);
     for (int k = 0; k < kParts; ++k) {
       const auto on = [&](const DVec3& u, const DVec3& v, double r, int part) {

@@ -16,7 +16,7 @@ constexpr double kSteeper = 2, kSteepest = 4;
 
 DVec3 normalAt(const Pick& pick, const Camera& camera, const DVec2& size_px) {
   const DVec3 place = camera.unproject(pick.place_px, pick.depth, size_px);
-  const DVec3 toEye = glm::normalize(camera.eye - place);
+  const DVec3 toEye = camera.towardsViewer(place);
   // Of the two positions beside it, the one nearer in depth is on the same surface.
   const auto along = [&](std::size_t first, const DVec2& way_px) -> std::optional<DVec3> {
     std::optional<DVec3> best;
@@ -56,13 +56,13 @@ std::optional<FoundSpot> FoundSurface::at(const DVec2& place_px) const {
   const DVec3 place = picture_.camera.unproject(place_px, pick.depth, picture_.size_px);
   return FoundSpot{.place = place,
                    .outward = normalAt(pick, picture_.camera, picture_.size_px),
-                   .toEye = glm::normalize(picture_.camera.eye - place),
+                   .toEye = picture_.camera.towardsViewer(place),
                    .depth = pick.depth,
                    .slope = std::hypot(gentler(0), gentler(2))};
 }
 
 bool FoundSurface::isStep(const FoundSpot& a, const FoundSpot& b, double way_px, double allowed) const {
-  const double aside = std::min(a.depth, b.depth) / picture_.camera.focal_px(picture_.size_px.y);  // of a pixel
+  const double aside = picture_.camera.pixelSize(std::min(a.depth, b.depth), picture_.size_px.y);  // of a pixel
   const double explained = way_px * std::max(kSteepest * aside, kSteeper * std::max(a.slope, b.slope));
   return std::abs(a.depth - b.depth) > allowed + explained;
 }

@@ -14,7 +14,9 @@ void main() {
   if (pixel >= size.x * size.y) return;
   const uint mark = args.marks.at[pixel];
   if (mark == 0) return;
-  const vec3 behind = toLinear(unpackUnorm4x8(args.image.at[pixel]).rgb);
+  const vec4 behind = unpackUnorm4x8(args.image.at[pixel]);
   const vec4 line = unpackUnorm4x8(mark);
-  args.image.at[pixel] = packUnorm4x8(vec4(toEncoded(mix(behind, toLinear(line.rgb), line.a)), 1));
+  const float opacity = 1 - (1 - behind.a) * (1 - line.a);
+  const vec3 light = mix(toLinear(behind.rgb), toLinear(line.rgb), line.a / opacity);
+  args.image.at[pixel] = packUnorm4x8(vec4(toEncoded(light), opacity));
 }

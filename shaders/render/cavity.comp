@@ -36,8 +36,8 @@ void main() {
   const Surfel here = surfelAt(view, args.surfels, pixel);
   float factor = 1;
   if (isSurface(here)) {
-    const float pixelSize = here.depth / pixelFocal(view);
-    const float slant = max(-dot(here.normal, normalize(here.position)), 0.2);
+    const float pixelSize = divisorAt(view, here.depth) / pixelFocal(view);
+    const float slant = max(-dot(here.normal, normalize(sightTo(view, here.position))), 0.2);
     const int narrow_px =
         clamp(int(round(kCavityRadii * args.frame.at[0].usualRadius / pixelSize)), 1, int(kCavityWidest_px));
     const float bend = bendOver(view, here, pixel, narrow_px, pixelSize, slant, 0) +

@@ -28,9 +28,10 @@ vec3 normalFromDepth(RenderView view, Uints depths, ivec2 at) {
   const float depth = depthAt(depths, view.size_px, at);
   const vec2 slope = depthSlope(depths, view.size_px, at, depth);
   const vec2 place_px = vec2(at) + 0.5;
-  const vec3 here = depth * rayThrough(view, place_px);
-  const vec3 right = (depth + slope.x) * rayThrough(view, place_px + vec2(1, 0)) - here;
-  const vec3 down = (depth + slope.y) * rayThrough(view, place_px + vec2(0, 1)) - here;
+  const vec2 right_px = place_px + vec2(1, 0), down_px = place_px + vec2(0, 1);
+  const vec3 from = rayFrom(view, place_px), here = depth * rayThrough(view, place_px);  // along the ray
+  const vec3 right = (depth + slope.x) * rayThrough(view, right_px) - here + (rayFrom(view, right_px) - from);
+  const vec3 down = (depth + slope.y) * rayThrough(view, down_px) - here + (rayFrom(view, down_px) - from);
   const vec3 normal = cross(right, down);
   return normalize(dot(normal, here) > 0 ? -normal : normal);
 }

@@ -19,7 +19,7 @@ struct Disc {
   ivec2 centerPixel;
 };
 
-// Interval of the picture that [low, high] can cover at depths from `shallow` to `deep`, in units of the focal length.
+// Interval of the picture that [low, high] can cover at divisors from `shallow` to `deep`, in units of the focal length.
 vec2 projectedInterval(float low, float high, float shallow, float deep) {
   return vec2(low / (low < 0 ? shallow : deep), high / (high < 0 ? deep : shallow));
 }
@@ -48,7 +48,7 @@ bool placeDisc(RenderView view, vec3 position, out Disc disc) {
 // and its normal is reversed. Discs seen edge-on stand out of the surface at folds and outlying normals, so they count
 // less. `commonRadius`: the radius of all discs, which are then not clipped; 0: each has its own.
 void orientDisc(RenderView view, vec4 normalAndRadius, uint clipBits, float commonRadius, inout Disc disc) {
-  const vec3 toViewer = -normalize(disc.center);
+  const vec3 toViewer = -normalize(sightTo(view, disc.center));
   disc.normal = toEye(view, normalAndRadius.xyz);
   if (!(dot(disc.normal, disc.normal) >= 0.25)) disc.normal = toViewer;
   disc.radius = commonRadius > 0 ? commonRadius : normalAndRadius.w;
@@ -69,8 +69,8 @@ struct PixelBox {
 PixelBox boxOf(RenderView view, Disc disc) {
   const vec3 c = disc.center;
   const vec3 reach = disc.radius * sqrt(max(1 - disc.normal * disc.normal, 0));
-  const float shallow = max(c.z - reach.z, view.nearDepth);
-  const float deep = c.z + reach.z;
+  const float shallow = divisorAt(view, max(c.z - reach.z, view.nearDepth));
+  const float deep = divisorAt(view, c.z + reach.z);
   const vec2 x = view.center_px.x + view.focal_px * projectedInterval(c.x - reach.x, c.x + reach.x, shallow, deep);
   const vec2 y = view.center_px.y + view.focal_px * projectedInterval(-c.y - reach.y, -c.y + reach.y, shallow, deep);
   const ivec2 first = ivec2(floor(clamp(vec2(x.x, y.x), -2e6, 2e6)));
@@ -89,8 +89,9 @@ struct Fragment {
 // is always covered, so that discs smaller than a pixel do not leave holes.
 bool coverPixel(RenderView view, Disc disc, float inverseRadiusSquared, ivec2 pixel, out Fragment fragment) {
   const vec3 ray = rayThrough(view, vec2(pixel) + 0.5);
-  fragment.depth = dot(disc.normal, disc.center) / dot(disc.normal, ray);
-  const vec3 offset = fragment.depth * ray - disc.center;
+  const vec3 center = disc.center - rayFrom(view, vec2(pixel) + 0.5);
+  fragment.depth = dot(disc.normal, center) / dot(disc.normal, ray);
+  const vec3 offset = fragment.depth * ray - center;
   const float q = dot(offset, offset) * inverseRadiusSquared;
   if (q < 1 && fragment.depth >= view.nearDepth && dot(offset, disc.clip) <= 1) {
     fragment.weight = disc.trust * max((1 - q) * (1 - q), kRimWeight);

@@ -9,13 +9,17 @@
 
 layout(push_constant, scalar) uniform Push { EyeDomeArgs args; };
 
+const float kPerLog2 = 1.442695;  // of a small change by a factor
+
 // How steeply the surface comes nearer towards a sample beside `at`, per pixel's width at its depth; 0 if nothing is
 // there.
 float rise(RenderView view, float depth, ivec2 at, ivec2 way) {
   const ivec2 there = at + way;
   if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, ivec2(view.size_px)))) return 0;
   const uint bits = args.depth.at[args.source.at[uint(there.y) * view.size_px.x + uint(there.x)]];
-  const float slope = log2(depth / uintBitsToFloat(bits)) * view.focal_px / float(max(abs(way.x), abs(way.y)));
+  const float other = uintBitsToFloat(bits);
+  const float ratio = view.isOrthographic != 0 ? kPerLog2 * (depth - other) : log2(depth / other);
+  const float slope = ratio * view.focal_px / float(max(abs(way.x), abs(way.y)));
   return bits == kNoDepth ? 0 : clamp(slope, -kEyeDomeSteepest, kEyeDomeSteepest);
 }
 

@@ -19,6 +19,7 @@ Fragment fragmentHere() {
   view.center_px = args.center_px;
   view.focal_px = args.focal_px;
   view.nearDepth = args.nearDepth;
+  view.isOrthographic = 0;
   const ivec2 pixel = ivec2(gl_FragCoord.xy);
   Fragment fragment;
   if (args.tiles > 1 && (any(lessThan(pixel, drawn.box.xy)) || any(greaterThan(pixel, drawn.box.zw)))) discard;

@@ -8,10 +8,13 @@
 
 layout(push_constant, scalar) uniform Push { LineArgs args; };
 
-// An end in the picture: pixels, and the inverse of its depth, which is linear in the picture.
-vec3 placeInPicture(RenderView view, vec3 p) { return vec3(sampleOf(view, p) / float(view.supersample), 1 / p.z); }
+// An end in the picture: pixels, and what is linear in the picture: the inverse of its depth, or that of an
+// orthographic camera itself.
+vec3 placeInPicture(RenderView view, vec3 p) {
+  return vec3(sampleOf(view, p) / float(view.supersample), view.isOrthographic != 0 ? p.z : 1 / p.z);
+}
 
-void mark(uvec2 size, ivec2 pixel, vec3 a, vec3 b, RenderLine line) {
+void mark(RenderView view, uvec2 size, ivec2 pixel, vec3 a, vec3 b, RenderLine line) {
   if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(size)))) return;
   const vec2 way = b.xy - a.xy, off = vec2(pixel) + 0.5 - a.xy;
   const float share = clamp(dot(off, way) / max(dot(way, way), 1.0e-12), 0, 1);
@@ -19,7 +22,7 @@ void mark(uvec2 size, ivec2 pixel, vec3 a, vec3 b, RenderLine line) {
   if (covered <= 0) return;
   const uint at = uint(pixel.y) * size.x + uint(pixel.x);
   const float surface = args.depthImage.at[at];
-  const bool hidden = surface > 0 && surface * mix(a.z, b.z, share) < 1;
+  const bool hidden = surface > 0 && (view.isOrthographic != 0 ? surface < mix(a.z, b.z, share) : surface * mix(a.z, b.z, share) < 1);
   const float opacity = covered * float(line.color >> 24) / 255 * (hidden ? kHiddenLine : 1);
   const uint level = uint(255 * opacity + 0.5);
   if (level > 0) atomicMax(args.marks.at[at], level << 24 | (line.color & 0xFFFFFF));
@@ -43,6 +46,6 @@ void main() {
   for (int u = first + int(walker); u <= last; u += int(kLineWalkers)) {
     const float middle = p.y + slope * (float(u) + 0.5 - p.x);
     for (int v = int(floor(middle - aside)); v <= int(floor(middle + aside)); ++v)
-      mark(size, across ? ivec2(u, v) : ivec2(v, u), a, b, line);
+      mark(view, size, across ? ivec2(u, v) : ivec2(v, u), a, b, line);
   }
 }

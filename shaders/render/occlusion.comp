@@ -25,14 +25,14 @@ void main() {
   const Surfel here = surfelAt(view, args.surfels, pixel);
   args.to.at[place] = 1;
   if (!isSurface(here)) return;
-  const float focal = pixelFocal(view);
+  const float pixelSize = divisorAt(view, here.depth) / pixelFocal(view);
   const float reach_px =
-      min(kSkyRadius * args.frame.at[0].occlusionRadius * focal / here.depth, kHorizonReach * float(size.y));
+      min(kSkyRadius * args.frame.at[0].occlusionRadius / pixelSize, kHorizonReach * float(size.y));
   if (!(reach_px >= 1)) return;
-  const float reach = reach_px * here.depth / focal;
-  const vec3 toEye = -normalize(here.position);
+  const float reach = reach_px * pixelSize;
+  const vec3 toEye = -normalize(sightTo(view, here.position));
   const vec3 from =
-      here.position + (kHorizonLift * args.frame.at[0].usualRadius + 1e-3 * here.depth / focal) * here.normal;
+      here.position + (kHorizonLift * args.frame.at[0].usualRadius + 1e-3 * pixelSize) * here.normal;
   const float turn = (float(rankOf(pixel)) + 0.5) / 16;
 
   float visible = 0, open = 0;

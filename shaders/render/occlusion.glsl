@@ -15,7 +15,7 @@ float turnOf(vec2 place_px) { return fract(52.9829189 * fract(dot(place_px, vec2
 
 // 1: open, 0: enclosed. `position` and `normal` in eye space; `bias`: how far discs stand out of the true surface.
 float opennessAt(RenderView view, Uints depths, vec2 place_px, vec3 position, vec3 normal, float radius, float bias) {
-  const float radius_px = min(radius * view.focal_px / position.z, kWidest_px);
+  const float radius_px = min(radius * view.focal_px / divisorAt(view, position.z), kWidest_px);
   if (radius_px < 1) return 1;
   const float turn = turnOf(floor(place_px));
   float sum = 0;
@@ -26,7 +26,8 @@ float opennessAt(RenderView view, Uints depths, vec2 place_px, vec3 position, ve
     if (any(lessThan(at_px, vec2(0))) || any(greaterThanEqual(at_px, vec2(view.size_px)))) continue;
     const uint bits = depths.at[uint(at_px.y) * view.size_px.x + uint(at_px.x)];
     if (bits == kNoDepth) continue;
-    const vec3 away = uintBitsToFloat(bits) * rayThrough(view, floor(at_px) + 0.5) - position;
+    const vec2 there_px = floor(at_px) + 0.5;
+    const vec3 away = uintBitsToFloat(bits) * rayThrough(view, there_px) - (position - rayFrom(view, there_px));
     const float squared = dot(away, away), rest = max(radius * radius - squared, 0) / (radius * radius);
     sum += rest * rest * rest * max(dot(away, normal) - bias, 0) / sqrt(squared + bias * bias);
   }

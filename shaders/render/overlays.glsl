@@ -1,5 +1,5 @@
 // The ball at the HIP, the disc at the proxy, the force arrow, the outline of the tool and the scale bar, each a closed
-// form along a ray. Rays start at the eye with depth 1 per unit, so a ray's parameter is the depth.
+// form along a ray. Rays start at depth 0 with depth 1 per unit, so a ray's parameter is the depth.
 #ifndef PALPATE_RENDER_OVERLAYS_GLSL
 #define PALPATE_RENDER_OVERLAYS_GLSL
 #include "shaders/render/color.glsl"
@@ -85,11 +85,11 @@ Hit hitArrow(vec3 eye, vec3 ray, RenderOverlays o) {
 }
 
 // A ball's outline: the rays near its rim, at the depth where they are closest to its middle.
-Hit hitOutline(RenderView view, vec3 ray, vec3 center, float radius) {
-  const vec3 toCenter = center - view.eye;
+Hit hitOutline(RenderView view, vec3 eye, vec3 ray, vec3 center, float radius) {
+  const vec3 toCenter = center - eye;
   const float along = dot(ray, toCenter) / dot(ray, ray);
   const float off = length(along * ray - toCenter);
-  const float width = max(kOutlineWidth * radius, kThinnest_px * along / view.focal_px);
+  const float width = max(kOutlineWidth * radius, kThinnest_px * divisorAt(view, along) / view.focal_px);
   const bool onRim = along > 0 && off <= radius && off >= radius - width;
   return Hit(onRim ? along : kMiss, -normalize(ray));
 }
@@ -108,16 +108,18 @@ Hit hitBar(vec3 eye, vec3 ray, RenderOverlays o) {
 
 const uint kParts = 5;
 
-// Blends the overlays over `behind`, farthest first; those behind the surface at `surfaceDepth` are translucent.
-vec3 overlaid(RenderView view, RenderOverlays o, vec3 inEye, float surfaceDepth, vec3 behind) {
-  const vec3 ray = fromEye(view, inEye);
+// Blends the overlays over `behind` (light times opacity, and opacity), farthest first; those behind the surface at
+// `surfaceDepth` are translucent.
+vec4 overlaid(RenderView view, RenderOverlays o, vec2 place_px, float surfaceDepth, vec4 behind) {
+  const vec3 inEye = rayThrough(view, place_px), ray = fromEye(view, inEye);
+  const vec3 eye = view.eye + fromEye(view, rayFrom(view, place_px));
   Hit hits[kParts];
   for (uint k = 0; k < kParts; ++k) hits[k] = Hit(kMiss, vec3(0));
-  if (o.ballRadius > 0) hits[0] = hitBall(view.eye, ray, o.ballCenter, o.ballRadius);
-  if (o.discRadius > 0) hits[1] = hitThickDisc(view.eye, ray, o);
-  if (o.arrowLength > 0) hits[2] = hitArrow(view.eye, ray, o);
-  if (o.brushRadius > 0) hits[3] = hitOutline(view, ray, o.brushCenter, o.brushRadius);
-  if (o.barLength > 0) hits[4] = hitBar(view.eye, ray, o);
+  if (o.ballRadius > 0) hits[0] = hitBall(eye, ray, o.ballCenter, o.ballRadius);
+  if (o.discRadius > 0) hits[1] = hitThickDisc(eye, ray, o);
+  if (o.arrowLength > 0) hits[2] = hitArrow(eye, ray, o);
+  if (o.brushRadius > 0) hits[3] = hitOutline(view, eye, ray, o.brushCenter, o.brushRadius);
+  if (o.barLength > 0) hits[4] = hitBar(eye, ray, o);
   const vec3 colors[kParts] = vec3[kParts](kBallColor, kDiscColor, kArrowColor, kBrushColor, kBarColor);
   for (uint layer = 0; layer < kParts; ++layer) {
     uint farthest = kParts;
@@ -125,7 +127,8 @@ vec3 overlaid(RenderView view, RenderOverlays o, vec3 inEye, float surfaceDepth,
       if (hits[k].depth < kMiss && (farthest == kParts || hits[k].depth > hits[farthest].depth)) farthest = k;
     if (farthest == kParts) break;
     const vec3 color = lit(toLinear(colors[farthest]), toEye(view, hits[farthest].normal), -normalize(inEye), 1.0);
-    behind = mix(behind, color, hits[farthest].depth <= surfaceDepth ? 1.0 : kHiddenAlpha);
+    const float opacity = hits[farthest].depth <= surfaceDepth ? 1.0 : kHiddenAlpha;
+    behind = vec4(mix(behind.rgb, color, opacity), behind.a + (1 - behind.a) * opacity);
     hits[farthest].depth = kMiss;
   }
   return behind;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The picture: blends the overlays over every sample, averages the samples of a pixel in linear light and encodes the
-// result. A variant without overlays processes all pixels, and one with overlays repeats the pixels that they may
+// result. Opacity is kept beside the colour, which is not multiplied by it. A variant without overlays processes all pixels, and one with overlays repeats the pixels that they may
 // cover: overlays get at least four samples per pixel even if the surface has one.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/overlays.glsl"
@@ -28,20 +28,21 @@ void main() {
   const bool overlays = kLaysOver != 0;
   const uint split = overlays ? max(view.supersample, 2) : view.supersample;  // samples along each side of a pixel
 
-  vec3 sum = vec3(0);
+  vec4 sum = vec4(0);  // light times opacity, and opacity
   uint nearest = kNoDepth;
   for (uint k = 0; k < split * split; ++k) {
     const vec2 place_px = (vec2(pixel) + (vec2(k % split, k / split) + 0.5) / float(split)) * float(view.supersample);
     const uint at = uint(place_px.y) * view.size_px.x + uint(place_px.x);
     const uvec2 packed = args.shaded.at[at];
     const uint depth = args.depth.at[args.source.at[at]];
-    vec3 light = vec3(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y).x);
+    vec4 light = vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y));
     if (overlays)
-      light = overlaid(view, args.frame.at[0].overlays, rayThrough(view, place_px), uintBitsToFloat(depth), light);
+      light = overlaid(view, args.frame.at[0].overlays, place_px, uintBitsToFloat(depth), light);
     sum += clamp(light, 0, 1);
     nearest = min(nearest, depth);
   }
   const float dither = args.frame.at[0].imagePass == kPassFinal ? ditherAt(pixel) : 0;
-  args.image.at[place] = packUnorm4x8(vec4(toEncoded(sum / float(split * split)) + dither, 1));
+  const vec3 color = sum.a > 0 ? toEncoded(sum.rgb / sum.a) + dither : vec3(0);
+  args.image.at[place] = packUnorm4x8(vec4(color, sum.a / float(split * split)));
   args.depthImage.at[place] = nearest == kNoDepth ? 0 : uintBitsToFloat(nearest);
 }

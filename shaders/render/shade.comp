@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference_uvec2 : require
-// Turns the sums of every sample into light, or into the requested intermediate image.
+// Turns the sums of every sample into light with its opacity, or into the requested intermediate image.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/color.glsl"
 #include "shaders/render/depth_slope.glsl"
@@ -39,12 +39,13 @@ vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
 // Light of a sample at `place_px` whose surface is that of the sample `place`.
 vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   const uint imagePass = args.frame.at[0].imagePass;
-  const vec3 inEye = depth * rayThrough(view, place_px);
+  const vec3 inEye = pointAt(view, place_px, depth);
+  const vec3 sight = sightTo(view, inEye);
   const vec3 position = view.eye + fromEye(view, inEye);
   const ivec2 pixel = ivec2(place % view.size_px.x, place / view.size_px.x);
   vec3 normal = args.frame.at[0].smooth_px == 0 ? normalAt(args.normalSums, place)
                                                 : fromEye(view, normalFromDepth(view, args.depth, pixel));
-  normal = dot(normal, normal) > 0 ? normalize(normal) : -normalize(position - view.eye);
+  normal = dot(normal, normal) > 0 ? normalize(normal) : -normalize(view.isOrthographic != 0 ? view.forward : position - view.eye);
 
   const vec3 low = args.frame.at[0].boundsMin, high = args.frame.at[0].boundsMax;
   const float near = args.frame.at[0].depthMin, far = args.frame.at[0].depthMax;
@@ -61,8 +62,8 @@ vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   const float access = has.x ? pow(relief.x, kOcclusionPower)
                              : opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
                                           args.frame.at[0].occlusionRadius, args.frame.at[0].usualRadius);
-  if (kRelief == 0) return lit(albedo, toEye(view, normal), -normalize(inEye), access);
-  return relief.y * litAs(args.frame.at[0].material, albedo, toEye(view, normal), -normalize(inEye), access);
+  if (kRelief == 0) return lit(albedo, toEye(view, normal), -normalize(sight), access);
+  return relief.y * litAs(args.frame.at[0].material, albedo, toEye(view, normal), -normalize(sight), access);
 }
 
 void main() {
@@ -72,8 +73,9 @@ void main() {
   const vec2 place_px = vec2(place % view.size_px.x, place / view.size_px.x) + 0.5;
   const uint source = args.source.at[place];
   const uint bits = args.depth.at[source];
-  const vec3 light = bits == kNoDepth ? mix(args.frame.at[0].backgroundTop, args.frame.at[0].backgroundBottom,
-                                            place_px.y / float(view.size_px.y))
-                                      : surfaceAt(view, source, place_px, uintBitsToFloat(bits));
-  args.shaded.at[place] = uvec2(packHalf2x16(light.rg), packHalf2x16(vec2(light.b, 1)));
+  const vec4 light = bits == kNoDepth ? vec4(mix(args.frame.at[0].backgroundTop, args.frame.at[0].backgroundBottom,
+                                                 place_px.y / float(view.size_px.y)),
+                                             args.frame.at[0].backgroundOpacity)
+                                      : vec4(surfaceAt(view, source, place_px, uintBitsToFloat(bits)), 1);
+  args.shaded.at[place] = uvec2(packHalf2x16(light.rg), packHalf2x16(light.ba));
 }

@@ -32,7 +32,7 @@ float widthAround(uint point) {
 bool mayBeDrawn(RenderView view, uint point, vec3 position) {
   Disc disc;
   return placeDisc(view, position, disc) &&
-         lotOf(point) < detailOf(widthAround(point) * (view.focal_px / disc.center.z));
+         lotOf(point) < detailOf(widthAround(point) * (view.focal_px / divisorAt(view, disc.center.z)));
 }
 
 // The disc of a point as it is drawn; false if it is not drawn. Where points are finer than samples, points with low
@@ -41,7 +41,7 @@ bool mayBeDrawn(RenderView view, uint point, vec3 position) {
 bool loadDisc(RenderView view, uint point, out Disc disc) {
   if (!placeDisc(view, args.positions.at[point].xyz, disc)) return false;
   const float lot = lotOf(point);
-  const float unitPx = view.focal_px / disc.center.z;
+  const float unitPx = view.focal_px / divisorAt(view, disc.center.z);
   orientDisc(view, args.normals.at[point], args.clips.at[point], commonRadius(), disc);
   const float detail = detailOf(disc.radius * unitPx);
   if (lot >= detail) return false;

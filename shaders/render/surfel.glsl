@@ -35,7 +35,7 @@ Surfel surfelAt(RenderView view, UVec2s surfels, ivec2 pixel) {
   const uvec2 bits = surfels.at[pixel.y * size.x + pixel.x];
   const float depth = uintBitsToFloat(bits.x);
   const vec2 place_px = vec2(sampleOfPixel(view, pixel)) + 0.5;
-  return Surfel(depth, bits.x == kNoDepth ? vec3(0) : depth * rayThrough(view, place_px), unpackedUnit(bits.y));
+  return Surfel(depth, bits.x == kNoDepth ? vec3(0) : pointAt(view, place_px, depth), unpackedUnit(bits.y));
 }
 bool isSurface(Surfel s) { return !isinf(s.depth); }
 
@@ -54,7 +54,7 @@ vec2 atSample(RenderView view, Floats first, Floats second, bvec2 has, UVec2s su
     const uint bits = surfels.at[index].x;
     if (bits == kNoDepth) continue;
     const vec2 share = mix(1 - t, t, bvec2(k & 1, k >> 1));
-    const float apart = abs(uintBitsToFloat(bits) - depth) * pixelFocal(view) / depth;  // pixels
+    const float apart = abs(uintBitsToFloat(bits) - depth) * pixelFocal(view) / divisorAt(view, depth);  // pixels
     const float weight = (share.x * share.y + 1e-3) / (1 + apart * apart);
     sum += weight * vec3(has.x ? first.at[index] : 1, has.y ? second.at[index] : 1, 1);
   }

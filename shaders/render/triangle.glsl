@@ -60,7 +60,8 @@ bool hitAt(RenderView view, Triangle t, ivec2 sampleAt, out Hit hit) {
   const float area = sides.x + sides.y + sides.z;
   if (area == 0 || !(all(greaterThanEqual(sides, vec3(0))) || all(lessThanEqual(sides, vec3(0))))) return false;
   const vec3 depths = vec3(t.corners[0].z, t.corners[1].z, t.corners[2].z);
-  const vec3 perspective = sides / depths;  // shares on screen are not those in space
+  const vec3 divisors = view.isOrthographic != 0 ? vec3(1) : depths;
+  const vec3 perspective = sides / divisors;  // shares on screen are not those in space
   hit.shares = perspective / (perspective.x + perspective.y + perspective.z);
   hit.depth = dot(hit.shares, depths);
   return true;

@@ -14,7 +14,7 @@ vec3 shadingNormal(RenderView view, Triangle t, Hit hit, vec3 toViewer) {
   vec3 normal = vec3(0);
   for (uint k = 0; k < 3; ++k) normal += hit.shares[k] * args.vertices.at[t.vertices[k]].normal;
   normal = toEye(view, normal);
-  if (dot(t.normal, t.corners[0]) < 0) normal = -normal;
+  if (dot(t.normal, sightTo(view, t.corners[0])) < 0) normal = -normal;
   const float facing = dot(normal, toViewer);
   if (facing < 0) normal -= facing * toViewer;
   const float size = length(normal);

@@ -95,17 +95,17 @@ const uint kShownField = 8;     // numbers, shown in place of their own colours
 const vec3 kSelectedColor = vec3(1.0f, 0.55f, 0.1f);
 const float kSelectedShare = 0.6f;
 
-// A pinhole camera. Eye space: x right, y up, depth along `forward`; pixel (x, y) has its centre at (x + 0.5, y + 0.5),
+// A pinhole camera, or an orthographic one. Eye space: x right, y up, depth along `forward`; pixel (x, y) has its centre at (x + 0.5, y + 0.5),
 // y downwards. Positions are model units relative to the cloud's origin.
 struct RenderView {
   vec3 eye;
-  float focal_px;  // pixels that one unit covers at depth 1
+  float focal_px;  // pixels that one unit covers at depth 1; orthographic: at any depth
   vec3 right;
   float nearDepth;  // nothing closer is drawn
   vec3 up;
   uint supersample;  // samples along each side of a pixel of the picture
   vec3 forward;
-  uint unused;
+  uint isOrthographic;
   vec2 center_px;
   uvec2 size_px;  // in samples
 };
@@ -166,7 +166,7 @@ struct RenderFrame {
   uint colorMap;                  // kMap* of the ramp
   uint material;                  // kMaterial*
   uint unpainted;                 // baseColor as RGBA8: what points show that carry kUnpainted
-  uint unused;
+  float backgroundOpacity;        // 1, or 0 for a transparent background, whose light is 0 as well
 };
 PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52 + 48);
 

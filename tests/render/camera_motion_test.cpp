@@ -123,4 +123,22 @@ TEST_CASE("front and top views are right for any up axis") {
   CHECK(glm::dot(from(ModelSide::right, UpAxis::z).axes().forward, DVec3(-1, 0, 0)) > 0.999);
 }
 
+TEST_CASE("an orthographic view is moved like one in perspective, and both show as much at the target") {
+  const Camera perspective = someCamera();
+  const Camera camera = projecting(perspective, true);
+  REQUIRE(camera.isOrthographic());
+  CHECK(camera.pixelSize(1, kSize_px.y) ==
+        near(perspective.pixelSize(glm::distance(perspective.eye, perspective.target), kSize_px.y), 1e-12));
+  CHECK(glm::distance(projecting(camera, false).eye, perspective.eye) < 1e-9);
+  CHECK(projecting(camera, true) == camera);
+  const DVec3 point(2, 1, -1);
+  const DVec2 before(*camera.project(point, kSize_px)), way(37, -12);
+  CHECK(offBy(orbited(camera, point, way, kSize_px), point, before) < 1e-6);
+  CHECK(offBy(panned(camera, 5, way, kSize_px), point, before + way) < 1e-6);
+  const Camera nearer = zoomed(camera, point, 0.5, 0.1, 100);
+  CHECK(offBy(nearer, point, before) < 1e-6);
+  CHECK(nearer.height == near(0.5 * camera.height, 1e-12));
+  CHECK(zoomed(camera, point, 1e-9, 0.1, 100).height == near(0.1, 1e-12));
+}
+
 }  // namespace palpate::camera_motion_test

@@ -167,10 +167,43 @@ TEST_CASE("an invalid camera is refused with the word in question") {
                                                                           {"fov=30 fov=40", "given twice"},
                                                                           {"up=0,0,0", "up"},
                                                                           {"eye=0,0,9 target=0,0,0 up=0,0,2", "up"},
-                                                                          {"eye=1,2,3 target=1,2,3", "same point"}}) {
+                                                                          {"eye=1,2,3 target=1,2,3", "same point"},
+                                                                          {"ortho=0", "above 0"},
+                                                                          {"ortho=wide", "not a number"},
+                                                                          {"ortho=1 ortho", "twice"},
+                                                                          {"isometric=1", "not known"}}) {
     CAPTURE(text);
     CHECK_THROWS_WITH_AS(Camera::parse(text, cloud, 1), doctest::Contains(word.c_str()), UsageError);
   }
+}
+
+TEST_CASE("an orthographic camera shows lengths alike at all depths, and the model fills its picture") {
+  const PointCloud cloud = boxCloud(Vec3(1, 2, 3), Vec3(2, 1, 4), 400);
+  for (const DVec2 size : {DVec2(640, 480), DVec2(300, 600)})
+    for (const char* text : {"ortho", "isometric", "ortho isometric"}) {
+      CAPTURE(text);
+      const Camera camera = Camera::parse(text, cloud, size.x / size.y);
+      REQUIRE(camera.isOrthographic());
+      DVec2 fill(0);
+      for (const Vec3& p : cloud.positions) {
+        const auto place = camera.project(DVec3(p), size);
+        REQUIRE(place);
+        fill = glm::max(fill, glm::abs(DVec2(*place) - 0.5 * size) / (0.5 * size));
+        const auto behind = camera.project(DVec3(p) + 3.0 * camera.axes().forward, size);
+        REQUIRE(behind);
+        CHECK(glm::distance(DVec2(*behind), DVec2(*place)) < 1e-9);
+      }
+      CHECK(std::max(fill.x, fill.y) == near(0.9, 1e-9));
+    }
+  const Camera given = Camera::parse("eye=1,2,1003 target=1,2,3 ortho=8", cloud, 1);
+  CHECK(given.height == 8);
+  CHECK(given.pixelSize(17, 400) == near(0.02, 1e-12));
+  CHECK(given.towardsViewer(DVec3(5, 6, 7)) == DVec3(0, 0, 1));
+  const DVec3 isometric = Camera::parse("isometric", cloud, 1).axes().forward;
+  for (int k = 0; k < 3; ++k) CHECK(isometric[k] == near(-1 / std::sqrt(3.0), 1e-12));
+  // An eye within the model moves back, so that nothing is cut off.
+  const Camera within = Camera::parse("eye=1,2,3.5 target=1,2,3 ortho", cloud, 1);
+  for (const Vec3& p : cloud.positions) CHECK(within.project(DVec3(p), {100, 100}));
 }
 
 TEST_CASE("the matrices agree with project()") {
@@ -180,6 +213,11 @@ TEST_CASE("the matrices agree with project()") {
   DVec2 middle = size / 2.0;
   SUBCASE("with the target in the middle of the picture") {}
   SUBCASE("with the target elsewhere") {
+    camera.center = {0.7, 0.4};
+    middle = {448, 192};
+  }
+  SUBCASE("of an orthographic camera") {
+    camera = Camera::parse("eye=7,5,9 ortho=5", cloud, size.x / size.y);
     camera.center = {0.7, 0.4};
     middle = {448, 192};
   }
@@ -194,7 +232,7 @@ TEST_CASE("the matrices agree with project()") {
     CHECK(glm::distance(camera.unproject(DVec2(*place), place->z, size), DVec3(p)) < 1e-9);
     CHECK((0.5 + 0.5 * clip.x / clip.w) * size.x == within(place->x, 0.02));
     CHECK((0.5 + 0.5 * clip.y / clip.w) * size.y == within(place->y, 0.02));
-    CHECK(clip.w == near(place->z, 1e-5));
+    CHECK(clip.w == near(camera.divisorAt(place->z), 1e-5));
     CHECK(clip.z / clip.w > 0);
     CHECK(clip.z / clip.w < 1);
   }

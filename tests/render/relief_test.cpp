@@ -99,7 +99,7 @@ class ReliefFixture : public GpuFixture {
                       .up = Vec3(0, 1, 0),
                       .supersample = view.supersample,
                       .forward = Vec3(0, 0, -1),
-                      .unused = 0,
+                      .isOrthographic = 0,
                       .center_px = 0.5f * Vec2(view.samples()),
                       .size_px = view.samples()};
     constants.usualRadius = static_cast<float>(view.usualRadius);

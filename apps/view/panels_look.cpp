@@ -1,0 +1,119 @@
+// The part of Panels for the look of the model, and for views of it.
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "apps/view/panels.hpp"
+#include "apps/view/session.hpp"
+
+namespace palpate {
+
+// The names are those of the command line; `now`: the value that auto stands for.
+template <class Names, class Value>
+void Panels::chooseOrAuto(const char* label, const Names& names, std::optional<Value>& value, std::string_view now) {
+  const std::string automatic = fmt::format("auto ({})", now);
+  const char* shown = automatic.c_str();
+  for (const auto& [name, each] : names)
+    if (value == each) shown = name.data();
+  const bool open = ImGui::BeginCombo(label, shown);
+  noted(label, false);
+  if (!open) return;
+  if (noted("auto", ImGui::Selectable("auto", !value))) value.reset();
+  for (const auto& [name, each] : names)
+    if (noted(name, ImGui::Selectable(name.data(), value == each))) value = each;
+  ImGui::EndCombo();
+}
+
+void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
+  if (!header("Look")) return;
+  chooseOrAuto("up", kUpAxes, view.up, nameOf(status.upFound));
+  chooseOrAuto("unit", kLengthUnits, view.unit, nameOf(status.unit));
+  help("unit of the file's lengths, for display only; it does not change the scale");
+  dragLength("point radius", view.discRadius_mm, 0.01, {0, 5}, status, view.discRadius_mm > 0 ? "" : "auto");
+  help("radius of the disc drawn for each point; auto (0): large enough to close the surface");
+  drawLight(view.light);
+  checkbox("triangles", view.mesh);
+  help("marching cubes (M); edited blocks are updated while you sculpt");
+  if (view.mesh) {
+    ImGui::SameLine();
+    int exponent = static_cast<int>(std::lround(std::log2(view.resolution / 32)));
+    ImGui::PushItemWidth(em(5));
+    if (noted("resolution", ImGui::Combo("resolution", &exponent, "32\00064\000128\000256\000512\000\000")))
+      view.resolution = 32 << exponent;
+    ImGui::PopItemWidth();
+    ImGui::TextDisabled("%llu triangles, last change %.1f ms", static_cast<unsigned long long>(status.meshTriangles),
+                        status.meshTime_ms);
+    if (status.meshTriangles > 0 && button("Export mesh...")) browse(FileTask::exportMesh, status);
+  }
+  checkbox("cameras", view.cameras);
+  help("F: the cameras that took the model's pictures, if its files contain them");
+  checkbox("antialiasing", view.smoothOutlines);
+  help("four samples per pixel; slower");
+  ImGui::SameLine();
+  checkbox("scale", view.scaleBar);
+  checkbox("dark", view.dark);
+  ImGui::SameLine();
+  checkbox("vsync", view.waitsForDisplay);
+  help("off: frames are drawn as fast as possible, and may tear");
+  checkbox("orthographic", view.orthographic);
+  help("Ctrl+8: without perspective, so that lengths can be compared wherever they are");
+  drawSides();
+  post(button("Reset"), WindowCommand::resetView);
+  help("R: shows the whole model");
+  for (int axis = 0; axis < 3; ++axis) {
+    ImGui::SameLine();
+    post(button(std::array{"X", "Y", "Z"}[static_cast<std::size_t>(axis)]), LookAlong{axis, false});
+    help("looks along this axis (the key of this letter; with Shift from behind)");
+  }
+  ImGui::SameLine();
+  post(button("Picture"), WindowCommand::screenshot);
+  help("P: writes a picture of the model, without panels, to a file");
+  drawViews(status);
+}
+
+// The table's rows, with the names that the command line has.
+void Panels::drawLight(LightConfig& light) {
+  for (const Setting<LightConfig>& setting : settingsOf(&light)) {
+    const auto& member = std::get<WordMember<LightConfig>>(setting.member);
+    const std::vector<std::string> names = member.all();
+    const std::vector<std::string_view> words(names.begin(), names.end());
+    auto chosen = static_cast<std::size_t>(std::ranges::find(words, member.name(light)) - words.begin());
+    if (chooseWord(setting.flag.substr(2).data(), words, chosen)) member.choose(light, words[chosen]);
+    help(std::string(setting.help));
+  }
+}
+
+void Panels::drawSides() {
+  constexpr std::size_t kInRow = 4;
+  const float width = 0.25f * (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x);
+  for (std::size_t k = 0; k < kModelSides.size(); ++k) {
+    if (k % kInRow != 0) ImGui::SameLine();
+    post(button(kModelSides[k].first.data(), width), kModelSides[k].second);
+    help(fmt::format("Ctrl+{}: looks at this side of the model, by the up axis", k + 1));
+  }
+}
+
+// Views that the user has named: each is shown by its button.
+void Panels::drawViews(const ViewStatus& status) {
+  ImGui::PushItemWidth(em(8));
+  const bool entered = field("name of the view", viewName_);
+  ImGui::PopItemWidth();
+  ImGui::SameLine();
+  if (button("Remember view") || entered) {
+    commands_.emplace_back(NamedViewCommand{NamedViewCommand::What::remember, viewName_.data()});
+    viewName_[0] = 0;
+  }
+  help("keeps what you see now under this name, for this model");
+  for (const NamedView& view : status.views) {
+    ImGui::PushID(view.name.c_str());
+    post(button(view.name.c_str(), em(8)), NamedViewCommand{NamedViewCommand::What::show, view.name});
+    help("shows this view again; on the command line: render --camera \"" + view.camera + "\"");
+    ImGui::SameLine();
+    post(button(("Forget " + view.name).c_str()), NamedViewCommand{NamedViewCommand::What::forget, view.name});
+    ImGui::PopID();
+  }
+}
+
+}  // namespace palpate
