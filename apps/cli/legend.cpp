@@ -33,13 +33,13 @@ void blend(Image& image, int x, int y, const DVec3& color, double alpha) {
   pixel[3] = static_cast<std::uint8_t>(std::lround(255 * covered));
 }
 
-/// White on a dark background, black on a light one.
+/// White on a dark background, black on a light or a transparent one, as most pages are white.
 DVec3 inkOn(const Image& image, int x, int y, int width, int height) {
   double sum = 0, count = 0;
   for (int v = std::max(0, y); v < std::min(y + height, static_cast<int>(image.height)); ++v)
     for (int u = std::max(0, x); u < std::min(x + width, static_cast<int>(image.width)); ++u) {
       const auto& p = image.at(static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v));
-      sum += 0.3 * p[0] + 0.59 * p[1] + 0.11 * p[2];
+      sum += p[3] / 255.0 * (0.3 * p[0] + 0.59 * p[1] + 0.11 * p[2]) + (255 - p[3]);
       ++count;
     }
   constexpr double kLight = 130;

@@ -19,7 +19,7 @@ struct Disc {
   ivec2 centerPixel;
 };
 
-// Interval of the picture that [low, high] can cover at divisors from `shallow` to `deep`, in units of the focal length.
+// Interval of the picture that [low, high] can cover, with divisors from `shallow` to `deep`, in focal lengths.
 vec2 projectedInterval(float low, float high, float shallow, float deep) {
   return vec2(low / (low < 0 ? shallow : deep), high / (high < 0 ? deep : shallow));
 }

@@ -22,7 +22,8 @@ void mark(RenderView view, uvec2 size, ivec2 pixel, vec3 a, vec3 b, RenderLine l
   if (covered <= 0) return;
   const uint at = uint(pixel.y) * size.x + uint(pixel.x);
   const float surface = args.depthImage.at[at];
-  const bool hidden = surface > 0 && (view.isOrthographic != 0 ? surface < mix(a.z, b.z, share) : surface * mix(a.z, b.z, share) < 1);
+  const float here = mix(a.z, b.z, share);
+  const bool hidden = surface > 0 && (view.isOrthographic != 0 ? surface < here : surface * here < 1);
   const float opacity = covered * float(line.color >> 24) / 255 * (hidden ? kHiddenLine : 1);
   const uint level = uint(255 * opacity + 0.5);
   if (level > 0) atomicMax(args.marks.at[at], level << 24 | (line.color & 0xFFFFFF));

@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The picture: blends the overlays over every sample, averages the samples of a pixel in linear light and encodes the
-// result. Opacity is kept beside the colour, which is not multiplied by it. A variant without overlays processes all pixels, and one with overlays repeats the pixels that they may
-// cover: overlays get at least four samples per pixel even if the surface has one.
+// result. Opacity is kept beside the colour, which is not multiplied by it. A variant without overlays processes all
+// pixels, and one with overlays repeats the pixels that they may cover: overlays get at least four samples per pixel
+// even if the surface has one.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/overlays.glsl"
 

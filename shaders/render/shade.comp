@@ -45,7 +45,8 @@ vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   const ivec2 pixel = ivec2(place % view.size_px.x, place / view.size_px.x);
   vec3 normal = args.frame.at[0].smooth_px == 0 ? normalAt(args.normalSums, place)
                                                 : fromEye(view, normalFromDepth(view, args.depth, pixel));
-  normal = dot(normal, normal) > 0 ? normalize(normal) : -normalize(view.isOrthographic != 0 ? view.forward : position - view.eye);
+  const vec3 away = view.isOrthographic != 0 ? view.forward : position - view.eye;
+  normal = dot(normal, normal) > 0 ? normalize(normal) : -normalize(away);
 
   const vec3 low = args.frame.at[0].boundsMin, high = args.frame.at[0].boundsMax;
   const float near = args.frame.at[0].depthMin, far = args.frame.at[0].depthMax;

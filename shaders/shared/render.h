@@ -95,8 +95,8 @@ const uint kShownField = 8;     // numbers, shown in place of their own colours
 const vec3 kSelectedColor = vec3(1.0f, 0.55f, 0.1f);
 const float kSelectedShare = 0.6f;
 
-// A pinhole camera, or an orthographic one. Eye space: x right, y up, depth along `forward`; pixel (x, y) has its centre at (x + 0.5, y + 0.5),
-// y downwards. Positions are model units relative to the cloud's origin.
+// A pinhole camera, or an orthographic one. Eye space: x right, y up, depth along `forward`; pixel (x, y) has its
+// centre at (x + 0.5, y + 0.5), y downwards. Positions are model units relative to the cloud's origin.
 struct RenderView {
   vec3 eye;
   float focal_px;  // pixels that one unit covers at depth 1; orthographic: at any depth
