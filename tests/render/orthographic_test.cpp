@@ -71,7 +71,10 @@ TEST_CASE_FIXTURE(PictureFixture, "an orthographic picture is that of a camera f
   SUBCASE("normals") { options.pass = ImagePass::normal; }
   SUBCASE("positions") { options.pass = ImagePass::position; }
   SUBCASE("occlusion and cavities") { options.light = {.occlusion = true, .cavity = true}; }
-  SUBCASE("ground") { options.light.ground = true; }
+  SUBCASE("ground") {
+    options.light.ground = true;
+    options.background = {255, 255, 255};
+  }
   SUBCASE("metal") { options.light.material = Material::metal; }
   SUBCASE("eye-dome light") { options.light = {.material = Material::unlit, .eyeDome = true}; }
   SUBCASE("transparent") { options.transparent = true; }
