@@ -139,7 +139,7 @@ outcome() {  # PATCH
 table=() survived=0 broken=0
 for patch in "${patches[@]}"; do
   begin=$SECONDS
-  target=$(target_of "$(field "$patch" File)") || true
+  target=$(target_of "$(field "$patch" File)" "$patch") || true
   [ -z "$target" ] || mutated+=("$target")
   result=$(outcome "$patch")
   git checkout -q -f

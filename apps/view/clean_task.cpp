@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "apps/view/selection.hpp"
+#include "engine/cloud/estimated_normals.hpp"
 #include "engine/cloud/gaussian_records.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/shortest_rotation.hpp"
@@ -116,6 +117,8 @@ CleanTask::Found CleanTask::findNormals(const Given& given) {
   std::string remark = set.states.empty()
                            ? "no normal changes"
                            : counted(set.states.size(), "point has another normal", "points have other normals");
+  if (!set.states.empty() && areNormalsEstimated(cloud))
+    remark += "; they are not saved, since the file contains no normals";
   return {.superfluous = {}, .points = {}, .action = std::move(set), .done = {.remark = std::move(remark)}};
 }
 
@@ -182,9 +185,10 @@ std::optional<CleanTask::Done> CleanTask::follow(WindowSession& session) {
   }
   const PointBits points = *found.superfluous & selectable(session);
   select(session, points, combineBy(command_.adds, command_.removes));
-  found.done.remark += points.count() == 0 ? "no point is found"
-                                           : fmt::format("{} found; Delete removes what is selected",
-                                                         counted(points.count(), "point is", "points are"));
+  found.done.remark += points.count() == 0
+                           ? "no point is found"
+                           : fmt::format("{} found; Delete, while selecting (S), removes what is selected",
+                                         counted(points.count(), "point is", "points are"));
   return found.done;
 }
 

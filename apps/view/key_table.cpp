@@ -233,8 +233,11 @@ std::vector<KeyRow> make() {
        "Esc",
        "take the stroke in progress back;  else stop reading;  close a list, an error or help;  put the stylus away;  "
        "end measuring",
-       {plain(GLFW_KEY_ESCAPE, {BrushCommand::cancelStroke, closesHelp, WindowCommand::stopReading,
-                                StylusCommand::putAway, WindowCommand::closeErrors, WindowCommand::forgetMeasure})}},
+       {{GLFW_KEY_ESCAPE,  // also of a stroke with Ctrl or Shift
+         kEither,
+         kEither,
+         {BrushCommand::cancelStroke, closesHelp, WindowCommand::stopReading, StylusCommand::putAway,
+          WindowCommand::closeErrors, WindowCommand::forgetMeasure}}}},
       {select,
        "Esc",
        "give the outline up;  stop reading;  close a list, an error or help",

@@ -98,7 +98,7 @@ struct CleanSettings : Preparation {
     outlierNeighbours = 8, radiusNeighbours = 4;
     fillHoles_mm = 5;
     subsample_mm = 1, random = 100'000;
-    upright = UpAxis::y;
+    upright = UpAxis::z;
   }
 };
 

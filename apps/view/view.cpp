@@ -120,6 +120,7 @@ void view(Context& context, const ViewCommandOptions& options) {
     view.brush.kind = *kind;
     view.brush.sculpts = true;
   }
+  if (!options.symmetry.empty()) symmetryPlane(options.symmetry, DVec3(0));  // throws for a wrong one
   view.brush.symmetry = options.symmetry;
 
   hold(options, held);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "engine/cloud/spacing.hpp"
@@ -23,8 +24,9 @@ constexpr double kSurfaceShare = 0.5;        // squared edge of a cell, in squar
 // Exponents of the grids' edges: crowded points go on in the finer ones, sparse points in the coarser ones.
 constexpr std::array kFiner{-1, -2, -3}, kCoarser{1, 2, 3};
 constexpr double kBetweenGrids = 4;
+constexpr double kSmallest = 1e-12, kLargest = 1e12;  // spacings whose squares floats hold, with what they lack
 // Distances that scans compute at most, and in one submission, which a driver must not think hangs.
-constexpr double kMostScanned = 5e11, kScannedAtOnce = 2e9;
+constexpr double kMaxScanned = 5e11, kScannedAtOnce = 2e9;
 
 /// The passes over one cloud.
 class DistancePasses {
@@ -34,17 +36,17 @@ class DistancePasses {
         neighbours_(neighbours),
         origin_(boundsOf(cloud).min),
         live_(device, cloud),
-        distances_(Buffer::of<float>(device, cloud.size(), Memory::device, "neighbour distances")),
+        distances_(Buffer::of<Vec2>(device, cloud.size(), Memory::device, "neighbour distances")),
         near_(device, shader_code::contact_neighbour_distances, {.pushBytes = sizeof(shared::NeighbourDistancesArgs)}),
         scan_(device, shader_code::contact_scan_distances,
               {.workgroupSize = shared::kScanWorkgroup, .pushBytes = sizeof(shared::ScanDistancesArgs)}),
-        values_(cloud.size(), shared::kExamined) {}
+        values_(cloud.size(), Vec2(shared::kExamined, 0)) {}
 
-  const std::vector<float>& values() const { return values_; }
+  const std::vector<Vec2>& values() const { return values_; }
 
   /// Examines the points of that value in a grid whose cells have that edge. Returns how many there were.
   std::size_t examine(float which, double edge) {
-    const auto count = static_cast<std::size_t>(std::ranges::count(values_, which));
+    const auto count = static_cast<std::size_t>(std::ranges::count(values_, which, &Vec2::x));
     if (count == 0) return 0;
     rename(which, shared::kExamined);
     build(edge);
@@ -58,16 +60,19 @@ class DistancePasses {
     return count;
   }
   /// Gives the points of a value another one.
-  void rename(float from, float to) { std::ranges::replace(values_, from, to); }
+  void rename(float from, float to) {
+    for (Vec2& value : values_)
+      if (value.x == from) value = Vec2(to, 0);
+  }
   /// Scans all points for those that are left; false if that takes too long.
   bool scan() {
-    if (std::ranges::find(values_, shared::kLeft) == values_.end()) return true;
+    if (std::ranges::find(values_, shared::kLeft, &Vec2::x) == values_.end()) return true;
     std::vector<std::uint32_t> slots;
     const auto positions = download<Vec4>(device_, live_.front().positions, live_.slots());
     for (std::uint32_t slot = 0; slot < positions.size(); ++slot)
-      if (values_[std::bit_cast<std::uint32_t>(positions[slot].w)] == shared::kLeft) slots.push_back(slot);
+      if (values_[std::bit_cast<std::uint32_t>(positions[slot].w)].x == shared::kLeft) slots.push_back(slot);
     const auto points = static_cast<double>(live_.slots());
-    if (static_cast<double>(slots.size()) * points > kMostScanned) return false;
+    if (static_cast<double>(slots.size()) * points > kMaxScanned) return false;
     const auto atOnce = static_cast<std::size_t>(std::max(1.0, kScannedAtOnce / points));
     const Buffer left = Buffer::of<std::uint32_t>(device_, std::max<std::size_t>(1, std::min(atOnce, slots.size())),
                                                   Memory::device, "points to scan for");
@@ -101,7 +106,7 @@ class DistancePasses {
     record(list);
     list.end();
     device_.latencyQueue().run(list);
-    values_ = download<float>(device_, distances_, values_.size());
+    values_ = download<Vec2>(device_, distances_, values_.size());
   }
 
   Device& device_;
@@ -111,8 +116,37 @@ class DistancePasses {
   Buffer distances_;
   ComputePipeline near_, scan_;
   std::optional<SpatialHash> hash_;
-  std::vector<float> values_;  // by number: distances, or why there is none
+  std::vector<Vec2> values_;  // by number: sums of distances in two parts, or why there is none
 };
+
+// In double precision, by a scan of all points.
+double scannedDistance(const std::vector<Vec3>& positions, std::size_t point, std::size_t neighbours) {
+  std::vector<double> nearest;  // squared, ascending
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const DVec3 offset = DVec3(positions[i]) - DVec3(positions[point]);
+    const double squared = glm::dot(offset, offset);
+    if (i == point || (nearest.size() == neighbours && squared >= nearest.back())) continue;
+    nearest.insert(std::ranges::upper_bound(nearest, squared), squared);
+    if (nearest.size() > neighbours) nearest.pop_back();
+  }
+  double sum = 0;
+  for (const double squared : nearest) sum += std::sqrt(squared);
+  return sum / static_cast<double>(neighbours);
+}
+
+// Of samples: a GPU or a driver that rounds otherwise would give other outliers.
+bool areExact(const std::vector<Vec3>& positions, const std::vector<double>& means, std::size_t neighbours,
+              unsigned threads) {
+  constexpr std::size_t kSamples = 16;
+  constexpr double kDoubles = 1e-11;
+  std::atomic<bool> areAll = true;
+  parallelBlocks(std::min(kSamples, means.size()), 1, threads, [&](std::size_t k, std::size_t) {
+    const std::size_t point = k * means.size() / std::min(kSamples, means.size());
+    const double exact = scannedDistance(positions, point, neighbours);
+    if (!(std::abs(means[point] - exact) <= kDoubles * exact)) areAll = false;
+  });
+  return areAll;
+}
 
 }  // namespace
 
@@ -120,7 +154,7 @@ std::optional<std::vector<double>> neighbourDistances(Device& device, const Poin
                                                       unsigned threads) {
   if (neighbours == 0 || neighbours > shared::kMaxNearest || cloud.size() <= neighbours) return std::nullopt;
   const double spacing = roughSpacing(cloud, threads);
-  if (!(spacing > 0)) return std::nullopt;
+  if (!(spacing > kSmallest && spacing < kLargest)) return std::nullopt;
   PointCloud placed;
   placed.positions = cloud.positions;
   placed.normals.resize(cloud.size());
@@ -140,8 +174,11 @@ std::optional<std::vector<double>> neighbourDistances(Device& device, const Poin
   passes.rename(shared::kWaiting, shared::kCrowded);
   goOn(shared::kCrowded, shared::kSparse, kFiner);
   if (!passes.scan()) return std::nullopt;
-  const std::vector<float>& values = passes.values();
-  return std::vector<double>(values.begin(), values.end());
+  std::vector<double> means;
+  means.reserve(cloud.size());
+  for (const Vec2& sum : passes.values()) means.push_back((double{sum.x} + double{sum.y}) / neighbours);
+  if (!areExact(cloud.positions, means, neighbours, threads)) return std::nullopt;
+  return means;
 }
 
 }  // namespace palpate

@@ -86,52 +86,15 @@ double limitOf(std::span<const double> distances, double sigma) {
   return mean + sigma * std::sqrt(squares / (count - 1));
 }
 
-// As neighbourDistances(), of one point, by a scan of all: none of its neighbours is farther than `reach`.
-double scannedDistance(const PointCloud& cloud, std::size_t point, std::uint32_t neighbours, double reach) {
-  constexpr double kRounding = 1 + 1e-4;
-  const Vec3 center = cloud.positions[point];
-  const auto near = static_cast<float>(kRounding * reach * reach);
-  std::vector<double> squares;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Vec3 offset = cloud.positions[i] - center;
-    if (glm::dot(offset, offset) > near || i == point) continue;
-    const DVec3 exact = DVec3(cloud.positions[i]) - DVec3(center);
-    squares.push_back(glm::dot(exact, exact));
-  }
-  PALPATE_CHECK_LE(std::size_t{neighbours}, squares.size());
-  std::ranges::partial_sort(squares, squares.begin() + neighbours);
-  double sum = 0;
-  for (std::size_t k = 0; k < neighbours; ++k) sum += std::sqrt(squares[k]);
-  return sum / neighbours;
-}
-
-// Distances of single precision, of which those near the limit are exact; false where too many are.
-bool refine(std::vector<double>& distances, const PointCloud& cloud, std::uint32_t neighbours, double sigma,
-            unsigned threads) {
-  constexpr double kNear = 8e-7;    // of the limit: twice the rounding
-  constexpr double kScanned = 5e9;  // distances at most
-  const double limit = limitOf(distances, sigma);
-  std::vector<std::size_t> border;
-  for (std::size_t i = 0; i < distances.size(); ++i)
-    if (std::abs(distances[i] - limit) <= kNear * limit) border.push_back(i);
-  if (static_cast<double>(border.size()) * static_cast<double>(cloud.size()) > kScanned) return false;
-  parallelBlocks(border.size(), 1, threads, [&](std::size_t k, std::size_t) {
-    // The farthest neighbour is not farther than all of them together.
-    distances[border[k]] = scannedDistance(cloud, border[k], neighbours, neighbours * distances[border[k]]);
-  });
-  return true;
-}
-
 }  // namespace
 
 PointSet statisticalOutliers(const PointCloud& cloud, std::uint32_t neighbours, double sigma, unsigned threads,
                              const DistanceMaker& make) {
   if (cloud.size() < 2) return {};
-  auto distances = make ? make(cloud, neighbours, threads) : std::nullopt;
-  if (!distances || !refine(*distances, cloud, neighbours, sigma, threads))
-    distances = neighbourDistances(cloud, neighbours, threads);
-  const double limit = limitOf(*distances, sigma);
-  return PointBits::where(distances->size(), threads, [&](std::size_t i) { return (*distances)[i] > limit; }).set();
+  const auto made = make ? make(cloud, neighbours, threads) : std::nullopt;
+  const std::vector<double> distances = made ? *made : neighbourDistances(cloud, neighbours, threads);
+  const double limit = limitOf(distances, sigma);
+  return PointBits::where(distances.size(), threads, [&](std::size_t i) { return distances[i] > limit; }).set();
 }
 
 PointSet radiusOutliers(const PointCloud& cloud, std::uint32_t neighbours, double radius, unsigned threads) {

@@ -17,14 +17,13 @@ namespace palpate {
 /// and 0 if there is none. Points at the same position are neighbours at distance 0.
 std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t neighbours, unsigned threads = 0);
 
-/// A faster neighbourDistances(), with the rounding of single precision; empty where it cannot compute them, or would
-/// not be faster.
+/// A faster neighbourDistances(); empty where it cannot compute them, or would not be faster.
 using DistanceMaker = std::function<std::optional<std::vector<double>>(const PointCloud& cloud,
                                                                        std::uint32_t neighbours, unsigned threads)>;
 
 /// The points whose mean distance to their neighbours is more than `sigma` standard deviations above the mean of all
 /// (Rusu, Marton, Blodow, Dolha and Beetz 2008, "Towards 3D point cloud based object maps for household environments",
-/// section 4.1). With `distances`, those of points near the limit are computed again, in double precision.
+/// section 4.1).
 PointSet statisticalOutliers(const PointCloud& cloud, std::uint32_t neighbours, double sigma, unsigned threads = 0,
                              const DistanceMaker& distances = nullptr);
 

@@ -18,7 +18,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kLeastFacing = 0.15;     // cosine between normals of the rim and of its plane
+constexpr double kMinFacing = 0.15;       // cosine between normals of the rim and of its plane
 constexpr std::size_t kRows = 3;          // of points around the rim, beside it
 constexpr std::size_t kMaxHeights = 450;  // of a thin plate
 constexpr double kSmoothing = 0.1;        // of it, squared spacings
@@ -70,7 +70,7 @@ class Hole {
   DVec3 lifted(const DVec2& at) const { return middle_ + spacing_ * (at.x * u_ + at.y * v_ + plate_->height(at) * w_); }
   bool facesPlane(std::span<const std::uint32_t> points) const {
     return std::ranges::all_of(
-        points, [&](std::uint32_t each) { return glm::dot(DVec3(surface_.normals[each]), w_) > kLeastFacing; });
+        points, [&](std::uint32_t each) { return glm::dot(DVec3(surface_.normals[each]), w_) > kMinFacing; });
   }
 
   // The rim and the rows around it, which have the spacing of the surface; that of the rim misses the hole's part.
@@ -192,8 +192,8 @@ class Hole {
       });
       mean += static_cast<double>(lattice.size()) / (kShifts * kShifts);
     }
-    constexpr double kLeastEmpty = 0.3;  // of the area
-    if (mean < kLeastEmpty * stretch_ * area_ / (spacing_ * spacing_)) return {};
+    constexpr double kMinEmpty = 0.3;  // of the area
+    if (mean < kMinEmpty * stretch_ * area_ / (spacing_ * spacing_)) return {};
     return *std::ranges::min_element(lattices, {}, [&](const std::vector<DVec2>& lattice) {
       return std::abs(static_cast<double>(lattice.size()) - mean);
     });

@@ -126,8 +126,8 @@ std::size_t SurfaceFaces::after(std::uint32_t from, std::uint32_t to) const {
 }
 
 std::vector<SurfaceFaces::Face> SurfaceFaces::holes(double widest) const {
-  constexpr double kLargeShare = 0.02;                 // of the faces, that may be holes or what is next to them
-  constexpr double kOverOthers = 4, kLeastArea = 4.5;  // of the others; of the area of a point
+  constexpr double kLargeShare = 0.02;               // of the faces, that may be holes or what is next to them
+  constexpr double kOverOthers = 4, kMinArea = 4.5;  // of the others; of the area of a point
   std::vector<Face> wide;
   std::vector<float> areas;  // in areas of a point
   std::vector<float> wideAreas;
@@ -160,12 +160,12 @@ std::vector<SurfaceFaces::Face> SurfaceFaces::holes(double widest) const {
       const double spacing = spacings / static_cast<double>(face.rim.size());
       const auto area = static_cast<float>(glm::length(face.area) / (spacing * spacing));
       areas.push_back(area);
-      if (area >= kLeastArea) wide.push_back(face), wideAreas.push_back(area);
+      if (area >= kMinArea) wide.push_back(face), wideAreas.push_back(area);
     }
   if (wide.empty()) return {};
   const auto usual = areas.begin() + static_cast<std::ptrdiff_t>((1 - kLargeShare) * static_cast<double>(areas.size()));
   std::ranges::nth_element(areas, std::min(usual, areas.end() - 1));
-  const double least = std::max(kLeastArea, kOverOthers * static_cast<double>(*std::min(usual, areas.end() - 1)));
+  const double least = std::max(kMinArea, kOverOthers * static_cast<double>(*std::min(usual, areas.end() - 1)));
   std::vector<Face> holes;
   for (std::size_t k = 0; k < wide.size(); ++k) {
     if (static_cast<double>(wideAreas[k]) < least) continue;

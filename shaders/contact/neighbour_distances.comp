@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Mean distance of each examined point to its nearest neighbours, within a radius that is doubled where it holds too
-// few. One invocation for each slot: in hash order those of a subgroup visit the same cells.
+// Sum of the distances of each examined point to its nearest neighbours, within a radius that is doubled where it holds
+// too few. One invocation for each slot: in hash order those of a subgroup visit the same cells.
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
 #include "shaders/lib/index.glsl"
@@ -27,7 +27,7 @@ NearestList nearestWithin(uint slot, vec3 center, float radius, inout uint work)
           const vec3 d = position - center;
           const float squared = dot(d, d);
           if (j == slot || squared >= radius * radius || cellOf(args.cloud.grid, position) != cell) continue;
-          keepNearest(list, args.neighbours, squared);
+          keepNearest(list, args.neighbours, squared, position, center);
         }
       }
   return list;
@@ -38,7 +38,7 @@ void main() {
   if (slot >= args.cloud.slots) return;
   const vec4 point = args.cloud.positions.at[slot];
   const uint id = floatBitsToUint(point.w);
-  if (id == kEmptySlot || args.distances.at[id] != kExamined) return;
+  if (id == kEmptySlot || args.distances.at[id].x != kExamined) return;
   uint work = 0;
   float radius = args.radius;
   NearestList list;
@@ -46,9 +46,11 @@ void main() {
     list = nearestWithin(slot, point.xyz, radius, work);
     if (list.count == args.neighbours || work >= kDistanceWorkBudget) break;
   }
-  float sum = 0;
-  for (uint k = 0; k < list.count; ++k) sum += roundedRoot(list.squared[k]);
-  const bool isCrowded = work >= kDistanceWorkBudget;
-  args.distances.at[id] =
-      isCrowded ? kCrowded : list.count < args.neighbours ? kSparse : meanOf(sum, args.neighbours);
+  if (work >= kDistanceWorkBudget || list.count < args.neighbours) {
+    args.distances.at[id] = vec2(work >= kDistanceWorkBudget ? kCrowded : kSparse, 0);
+    return;
+  }
+  vec2 sum = vec2(0);
+  for (uint k = 0; k < list.count; ++k) sum = plus(sum, root(list.squared[k]));
+  args.distances.at[id] = sum;
 }

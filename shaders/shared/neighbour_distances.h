@@ -3,14 +3,14 @@
 #include "shaders/shared/spatial_hash.h"
 
 #ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Distances { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Distances { vec2 at[]; };
 #endif
 
 PALPATE_SHARED_BEGIN
 
-const uint kMaxNearest = 32;  // neighbours whose mean distance is computed
-// In place of a distance: of a point that is examined now; that had too few neighbours in the widest radius; that had
-// too many points to visit, or waits until others have been examined; that is left to a scan of all points.
+const uint kMaxNearest = 32;  // neighbours whose distances are added up
+// In place of a sum, in its first float: of a point that is examined now; that had too few neighbours in the widest
+// radius; that had too many points to visit; that waits until others have been examined; that is left to a scan of all.
 const float kExamined = -1.0f;
 const float kSparse = -2.0f;
 const float kCrowded = -3.0f;

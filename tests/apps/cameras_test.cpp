@@ -177,7 +177,7 @@ TEST_CASE("unreliable COLMAP points are left out by info and render, and by conv
   CHECK_MESSAGE(says(drawn.text, "left out: 50 of 950 points"), drawn.text);
 }
 
-TEST_CASE("the window shows a reconstruction's cameras, and a recording's camera with its path; F hides them") {
+TEST_CASE("the window shows a reconstruction's cameras, and a recording's camera with its path; Ctrl+F hides them") {
   if (!hasDisplay()) return;
   const auto played = playWell(
       "%/model --size 480x360 --backend cpu",
@@ -189,12 +189,12 @@ TEST_CASE("the window shows a reconstruction's cameras, and a recording's camera
 0.1 key tab
 0.3 screenshot %/with.png
 0.35 state %/with.json
-0.4 key f
+0.4 key ctrl+f
 0.6 screenshot %/without.png
 0.65 state %/without.json
 0.7 drop %/recorded
 0.9 state %/hidden.json
-1.0 key f
+1.0 key ctrl+f
 1.1 state %/shown.json
 1.2 quit
 )");

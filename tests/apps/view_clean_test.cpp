@@ -81,7 +81,8 @@ void checkCleaning(bool isOnGpu) {
 )");
   const int all = played->state("undone.json")["points"];
   CHECK(selectedIn(*played, "outliers.json") == kFar);
-  CHECK(messageIn(*played, "outliers.json") == "outliers: 9 points are found; Delete removes what is selected");
+  CHECK(messageIn(*played, "outliers.json") ==
+        "outliers: 9 points are found; Delete, while selecting (S), removes what is selected");
   CHECK(played->state("removed.json")["points"] == all - kFar);
   CHECK(selectedIn(*played, "duplicates.json") == kTwice);
   const int filled = played->state("filled.json")["points"];
@@ -221,6 +222,30 @@ TEST_CASE("exported points are opened in another window, if that is wanted") {
   window.join();
   CHECK_MESSAGE(played->outcome.code == 0, played->outcome.text);
   CHECK(says(messageIn(*played, "exported.json"), "selected points in"));
+}
+
+TEST_CASE("that normals are not saved to a file that contains none is said, and is true") {
+  if (!hasDisplay()) return;
+  const auto played = playWell(
+      "%/bare.xyz --size 600x700 --rate 250",
+      [](const std::filesystem::path& folder) {
+        std::ofstream bare(folder / "bare.xyz");
+        constexpr int kCount = 2000;
+        for (int i = 0; i < kCount; ++i) {
+          const double z = 1 - (2.0 * i + 1) / kCount, r = std::sqrt(1 - z * z), turn = 2.399963 * i;
+          bare << 50 * r * std::cos(turn) << ' ' << 50 * r * std::sin(turn) << ' ' << 50 * z << '\n';
+        }
+      },
+      R"(
+0.1 click Clean
+0.4 click Flip
+0.7 state %/flipped.json
+0.8 save %/flipped.ply
+1.1 quit
+)");
+  CHECK(messageIn(*played, "flipped.json") ==
+        "normals: 2000 points have other normals; they are not saved, since the file contains no normals");
+  CHECK_FALSE(cloudOf(*played, "flipped.ply").hasNormals());
 }
 
 }  // namespace palpate::view_clean_test

@@ -182,18 +182,25 @@ TEST_CASE("Esc takes the stroke in hand back to the bit, and otherwise does what
 2.6 save %/taken.ply
 2.8 button left up
 3.2 state %/after.json
-3.3 key ctrl+shift+z
-3.5 state %/redo.json
-3.5 mouse 373 180
-3.7 button left down
-4.0 button left up
-4.4 state %/two.json
-4.5 key t
-4.6 key space up
-4.7 state %/locked.json
-4.8 key escape
-5.0 state %/away.json
-5.1 quit
+3.25 key ctrl down
+3.3 button left down
+3.5 mouse 320 160
+3.7 key ctrl+escape
+3.8 button left up
+3.9 key ctrl up
+4.1 state %/inverted.json
+4.1 key ctrl+shift+z
+4.3 state %/redo.json
+4.3 mouse 373 180
+4.5 button left down
+4.8 button left up
+5.2 state %/two.json
+5.3 key t
+5.4 key space up
+5.5 state %/locked.json
+5.6 key escape
+5.8 state %/away.json
+5.9 quit
 )");
   const std::filesystem::path& path = played->folder.path();
   const auto undo = [&](const char* name) { return played->state(name)["undo_count"].get<int>(); };
@@ -204,6 +211,8 @@ TEST_CASE("Esc takes the stroke in hand back to the bit, and otherwise does what
   CHECK(says(played->state("taken.json")["messages"].dump(), "the stroke was taken back"));
   CHECK(contentOf(path / "taken.ply") == contentOf(path / "one.ply"));
   CHECK(undo("after.json") == 1);
+  CHECK(undo("inverted.json") == 1);
+  CHECK(played->state("inverted.json")["edits"].get<int>() > played->state("after.json")["edits"].get<int>());
   CHECK(undo("redo.json") == 1);
   CHECK(undo("two.json") == 2);
   CHECK(played->state("locked.json")["stylus"] == true);
@@ -257,6 +266,15 @@ TEST_CASE("symmetry is chosen by an option, in the panel, or as the plane of the
   // Its lines stand beside the sphere.
   const Picture on(path / "on.png"), off(path / "off.png");
   CHECK(differing(on, off, 378, 80, 15) > 5);
+}
+
+TEST_CASE("a plane of symmetry that is none is refused before a window opens") {
+  for (const char* const wrong : {"w", "1,2,3", "nan,0,0,1,0,0", "0,0,0,0,0,0"}) {
+    CAPTURE(wrong);
+    const Outcome outcome = palpate(std::string("view a.ply --symmetry ") + wrong);
+    CHECK(outcome.code == 2);
+    CHECK(says(outcome.text, "--symmetry"));
+  }
 }
 
 }  // namespace palpate::view_hands_test

@@ -19,7 +19,6 @@ double worstError(Device& device, const PointCloud& cloud, std::uint32_t neighbo
   double worst = 0;
   for (std::size_t i = 0; i < exact.size(); ++i)
     worst = std::max(worst, std::abs((*onGpu)[i] - exact[i]) / std::max(exact[i], 1e-30));
-  CHECK(worst < 4e-7);  // what statisticalOutliers() relies on
   return worst;
 }
 
@@ -46,7 +45,7 @@ TEST_CASE_FIXTURE(GpuFixture, "distances to neighbours on the GPU are those of d
       CAPTURE(neighbours);
       PointCloud cloud = makeScene(shape, 5'000).cloud;
       cloud.normals.clear();
-      CHECK(worstError(device, cloud, neighbours) < 1e-6);
+      CHECK(worstError(device, cloud, neighbours) < 1e-12);
     }
 }
 
@@ -58,11 +57,11 @@ TEST_CASE_FIXTURE(GpuFixture, "far points, crowds, heaps at one position and awk
   append(cloud, scattered(3, 1e5, 3));
   cloud.positions.insert(cloud.positions.end(), 40, Vec3(7, 7, 7));  // at one position, alone
   cloud.positions.insert(cloud.positions.end(), 12, Vec3(0, 0, 50));
-  CHECK(worstError(device, cloud, 8) < 1e-6);
-  CHECK(worstError(device, cloud, 32) < 1e-6);
+  CHECK(worstError(device, cloud, 8) < 1e-12);
+  CHECK(worstError(device, cloud, 32) < 1e-12);
   for (const std::size_t count : {9u, 10u, 63u, 64u, 65u, 257u}) {
     CAPTURE(count);
-    CHECK(worstError(device, scattered(count, 10, static_cast<std::uint32_t>(count)), 8) < 1e-6);
+    CHECK(worstError(device, scattered(count, 10, static_cast<std::uint32_t>(count)), 8) < 1e-12);
   }
 }
 
@@ -75,6 +74,8 @@ TEST_CASE_FIXTURE(GpuFixture, "what the GPU cannot compute is left to the CPU") 
   PointCloud heap;
   heap.positions.assign(100, Vec3(1));
   CHECK_FALSE(neighbourDistances(device, heap, 8));
+  // Squares of so small distances are no floats.
+  CHECK_FALSE(neighbourDistances(device, scattered(100, 1e-15, 4), 8));
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "outliers by the GPU's distances are the same points") {
@@ -90,27 +91,6 @@ TEST_CASE_FIXTURE(GpuFixture, "outliers by the GPU's distances are the same poin
     CHECK(outliers == statisticalOutliers(cloud, 8, sigma));
     CHECK(outliers.count() > 200);
   }
-}
-
-TEST_CASE("distances of points near the limit of outliers are exact, whatever the maker rounds") {
-  // On a line with spacings so that the limit is met within its rounding by many.
-  PointCloud cloud = scattered(2'000, 10, 6);
-  const auto rounded = [](const PointCloud& of, std::uint32_t neighbours, unsigned threads) {
-    std::vector<double> distances = neighbourDistances(of, neighbours, threads);
-    for (std::size_t i = 0; i < distances.size(); ++i) distances[i] *= 1 + (i % 2 == 0 ? 4e-7 : -4e-7);
-    return std::optional(distances);
-  };
-  const std::vector<double> distances = neighbourDistances(cloud, 8);
-  // The sigma whose limit is just above, and just below, the distance of each of some points.
-  const double mean = std::accumulate(distances.begin(), distances.end(), 0.0) / 2'000;
-  double squares = 0;
-  for (const double distance : distances) squares += (distance - mean) * (distance - mean);
-  const double deviation = std::sqrt(squares / 1'999);
-  for (std::size_t i = 0; i < 100; ++i)
-    for (const double beside : {-1e-7, 1e-7}) {
-      const double sigma = (distances[i] * (1 + beside) - mean) / deviation;
-      REQUIRE(statisticalOutliers(cloud, 8, sigma, 1, rounded) == statisticalOutliers(cloud, 8, sigma, 1));
-    }
 }
 
 }  // namespace palpate::neighbour_distances_test

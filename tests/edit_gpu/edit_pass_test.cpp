@@ -67,8 +67,8 @@ TEST_CASE_FIXTURE(CoreValidated<EditFixture>,
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   for (const BrushOptions& options : {BrushOptions{.yieldDepth = 0.5, .pushRate = 0.1, .radius = 6},
-                                     BrushOptions{.yieldDepth = 0.5, .pushRate = 0.1, .radius = 6, .resample = false},
-                                     BrushOptions{.yieldDepth = 0, .pushRate = 1, .radius = 12}}) {
+                                      BrushOptions{.yieldDepth = 0.5, .pushRate = 0.1, .radius = 6, .resample = false},
+                                      BrushOptions{.yieldDepth = 0, .pushRate = 1, .radius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
     const PlacedBrush brush = brushAt(options, scene.radius, hip, spring);
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);

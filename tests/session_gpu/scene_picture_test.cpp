@@ -23,6 +23,15 @@ std::size_t coveredPixels(const Image& image, const std::array<std::uint8_t, 4>&
       std::ranges::count_if(image.rgba, [&](const auto& pixel) { return pixel != background; }));
 }
 
+// Makes a follower that `made` points to.
+FollowerMaker drawnFollower(Device& device, DrawnFollower*& made) {
+  return [&](const Model& model, TouchBackend& backend) {
+    auto follower = std::make_unique<DrawnFollower>(device, model, backend);
+    made = follower.get();
+    return follower;
+  };
+}
+
 }  // namespace
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
@@ -42,11 +51,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
                   {.backend = *cpu,
                    .keepsPoints = true,
                    .undo = {1 << 24},
-                   .followers = {[&](const Model& model, TouchBackend& backend) {
-                                   auto made = std::make_unique<DrawnFollower>(device, model, backend);
-                                   follower = made.get();
-                                   return made;
-                                 },
+                   .followers = {drawnFollower(device, follower),
                                  [&](const Model&, TouchBackend&) { return std::make_unique<Early>(early); }}});
   const Layer& layer = session.scene().layers[0];
   const PictureRequest request{.width = kSide_px, .height = kSide_px, .samples = 1, .background = {{0, 0, 0}}};
@@ -74,14 +79,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
     Session session(
         {.backend = {.name = std::string(kind->name())}, .brush = BrushConfig(), .hands = std::vector<HandConfig>(1)},
         sphereModel(3000),
-        {.backend = *kind,
-         .keepsPoints = true,
-         .undo = {1 << 24},
-         .followers = {[&](const Model& model, TouchBackend& backend) {
-           auto made = std::make_unique<DrawnFollower>(device, model, backend);
-           follower = made.get();
-           return made;
-         }}});
+        {.backend = *kind, .keepsPoints = true, .undo = {1 << 24}, .followers = {drawnFollower(device, follower)}});
     const auto check = [&] {
       session.catchUp();
       const auto drawn = download<Vec4>(device, device.throughputQueue(), follower->drawn().positions(),
