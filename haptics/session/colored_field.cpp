@@ -44,11 +44,11 @@ std::vector<Legend::Mark> marksBetween(double low, double high, double least,
 }
 
 std::string unitOf(const PointField& field, LengthUnit unit) {
-  if (!field.unit().empty() || !field.inFile()) return field.unit();
-  const CloudFields::Field& in = *field.inFile();
-  if (in.source == CloudFields::Field::Source::coordinate) return std::string(nameOf(unit));
-  if (in.source != CloudFields::Field::Source::made) return {};
-  switch (static_cast<MadeField>(in.index)) {
+  const std::optional<CloudFields::Field> in = field.inFile();
+  if (!field.unit().empty() || !in) return field.unit();
+  if (in->source == CloudFields::Field::Source::coordinate) return std::string(nameOf(unit));
+  if (in->source != CloudFields::Field::Source::made) return {};
+  switch (static_cast<MadeField>(in->index)) {
     case MadeField::height:
       return std::string(nameOf(unit));
     case MadeField::density:
