@@ -76,6 +76,7 @@ bool ClientStream::write() {
   held_.head.sample = sample_ + 1;
   if (!writer_.write(held_.given())) return false;
   holds_ = false;
+  stated_ = held_.head;
   if (sample_ == taken_) progressed_ = {};
   ++sample_;
   if (held_.head.last) unacked_.push_back({.sample = sample_, .since = {}});
@@ -84,13 +85,11 @@ bool ClientStream::write() {
 
 void ClientStream::probe() {
   if (isAcknowledged() || holds_ || progressed_.elapsed_s() < kProbe_s) return;
-  const Points known = held_.head;
   held_.clear();
-  // What it states of the order and of strokes is what the last sample stated.
-  held_.head.acked = known.acked;
-  held_.head.upTo = known.upTo;
-  held_.head.head = known.head;
-  held_.head.digest = known.digest;
+  held_.head.acked = stated_.acked;
+  held_.head.upTo = stated_.upTo;
+  held_.head.head = stated_.head;
+  held_.head.digest = stated_.digest;
   holds_ = true;
   write();
   progressed_ = {};

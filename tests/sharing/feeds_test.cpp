@@ -107,6 +107,33 @@ TEST_CASE("a client of the whole cloud gets each block once, then each edited po
   CHECK(world.sample.head.digest == world.points.digest());
 }
 
+TEST_CASE("a probe of a silent client states what the last sample stated, also where nothing was due since") {
+  World world;
+  Want want{};
+  want.epoch = want.number = 1;
+  want.every = 1;
+  want.first = static_cast<std::uint32_t>(blocksOf(world.cloud.size()));
+  want.edits = true;
+  world.edit(kOther, 1, 5, 1);
+  REQUIRE(world.stream.take(want) == ClientStream::Asked::fresh);
+  WholeFeed feed({.cloud = world.cloud, .points = world.points, .client = kClient}, want);
+  constexpr std::uint64_t kWindow = 4;
+  REQUIRE(world.stream.send(feed, kWindow) == ClientStream::Sent::sent);
+  const Points stated = world.stream.last().head;
+  REQUIRE(stated.digest == world.points.digest());
+  REQUIRE(world.stream.send(feed, kWindow) == ClientStream::Sent::nothing);
+  REQUIRE(within(5, [&] {
+    world.stream.probe();
+    return world.stream.last().head.sample == stated.sample + 1;
+  }));
+  const Points& probe = world.stream.last().head;
+  CHECK(world.stream.last().states.empty());
+  CHECK(probe.digest == stated.digest);
+  CHECK(probe.upTo == stated.upTo);
+  CHECK(probe.head == stated.head);
+  CHECK(probe.acked == stated.acked);
+}
+
 TEST_CASE("a sample of any kind fits into one Ethernet frame") {
   StreamSample sample;
   sample.points.resize(kBlockPoints);
