@@ -52,7 +52,8 @@ const char* const kLeaning = "0,0,0,0\n3.5,0,0,0\n4,30,0,0\n4.5,30,30,0\n5,30,30
 
 TEST_CASE("the guided test finds stiffness and axes, and sessions use them once the person agrees" * kClock) {
   const User user;
-  // A loose grip hums well below the stiffest wall, however fast the machine answers.
+  // A loose grip: it hums below the stiffest wall, unless other programs hold up the answers (device_check_test.cpp has
+  // what decides it, by a clock that nothing holds up).
   const FakeHaply service({.hand = leaning(), .arm = {.handDamping_N_s_per_mm = 3e-4}});
   const std::string test = "doctor --device haply --test --json " + user.file("test.json");
   const Outcome outcome = run("printf 'y\\ny\\n' | " + program() + " " + test);
@@ -60,7 +61,7 @@ TEST_CASE("the guided test finds stiffness and axes, and sessions use them once 
   const Result found = jsonOf(user.folder / "test.json")["device_test"];
   CHECK(found["recommended_axes"] == "x,-z,y");
   CHECK(found["free_force_N"] == 0);
-  CHECK(found["oscillated"] == true);
+  CHECK(says(outcome.text, found["oscillated"] == true ? "stopped after" : "at least"));
   const double stiffness = found["recommended_stiffness_N_per_mm"].get<double>();
   CHECK(stiffness > 0.1);
   CHECK(says(outcome.text, "recommended       --stiffness"));
