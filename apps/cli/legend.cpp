@@ -46,6 +46,14 @@ DVec3 inkOn(const Image& image, int x, int y, int width, int height) {
   return DVec3(count > 0 && sum / count > kLight ? 20 : 240);
 }
 
+/// Unlike the letters on it.
+void drawPlate(Image& image, int x, int y, int width, int height) {
+  constexpr double kPlate = 0.6;
+  const DVec3 plate = DVec3(255) - inkOn(image, x, y, width, height);
+  for (int v = y; v < y + height; ++v)
+    for (int u = x; u < x + width; ++u) blend(image, u, v, plate, kPlate);
+}
+
 /// Letters of one height.
 class Letters {
  public:
@@ -111,11 +119,7 @@ void drawLegend(Image& image, const Legend& legend) {
   for (const Legend::Entry& entry : legend.entries) widest = std::max(widest, letters.widthOf(entry.text));
   const int plateLeft = static_cast<int>(left - widest - letter), plateTop = static_cast<int>(top - 2.2 * letter);
   const int plateBottom = static_cast<int>(bottom + entries + (isRamp && entries > 0 ? 1.5 : 0.7) * letter);
-  const DVec3 plate =
-      DVec3(255) - inkOn(image, plateLeft, plateTop, right - plateLeft, plateBottom - plateTop);  // unlike its letters
-  constexpr double kPlate = 0.6;
-  for (int y = plateTop; y < plateBottom; ++y)
-    for (int x = plateLeft; x < static_cast<int>(right + 0.5 * letter); ++x) blend(image, x, y, plate, kPlate);
+  drawPlate(image, plateLeft, plateTop, static_cast<int>(right + 0.5 * letter) - plateLeft, plateBottom - plateTop);
   fill(top, bottom, [&](int y) {
     const float share = (static_cast<float>(bottom - y) - 0.5f) / static_cast<float>(bottom - top);
     return shared::rampColor(static_cast<std::uint32_t>(legend.map), share);
@@ -140,6 +144,17 @@ void drawLegend(Image& image, const Legend& legend) {
 void drawText(Image& image, const DVec2& at_px, const std::string& text) {
   const double letter = letterHeight_px(image);
   Letters(letter).draw(image, static_cast<int>(at_px.x), static_cast<int>(at_px.y - letter), text);
+}
+
+void drawLabel(Image& image, const DVec2& at_px, const std::string& text) {
+  const double letter = letterHeight_px(image), padding = std::round(0.3 * letter);
+  const Letters letters(letter);
+  const DVec2 plate_px(std::ceil(letters.widthOf(text)) + 2 * padding, letter + 2 * padding);
+  const DVec2 room_px = glm::max(DVec2(0), DVec2(image.width, image.height) - plate_px);
+  const DVec2 corner_px = glm::clamp(glm::round(at_px - 0.5 * plate_px), DVec2(0), room_px);
+  const int x = static_cast<int>(corner_px.x), y = static_cast<int>(corner_px.y);
+  drawPlate(image, x, y, static_cast<int>(plate_px.x), static_cast<int>(plate_px.y));
+  letters.draw(image, x + static_cast<int>(padding), y + static_cast<int>(padding), text);
 }
 
 }  // namespace palpate

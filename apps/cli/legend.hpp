@@ -1,4 +1,4 @@
-// Annotations of pictures: a legend of the colours, and the label of the scale bar.
+// Annotations of pictures: a legend of the colours, and labels.
 #pragma once
 
 #include <string>
@@ -13,5 +13,8 @@ void drawLegend(Image& image, const Legend& legend);
 
 /// Draws one line, its lower left corner at `at_px`, in a colour that contrasts with the background there.
 void drawText(Image& image, const DVec2& at_px, const std::string& text);
+
+/// Draws one line on a plate that fits into the picture, its middle at `at_px` as far as possible.
+void drawLabel(Image& image, const DVec2& at_px, const std::string& text);
 
 }  // namespace palpate

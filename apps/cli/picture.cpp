@@ -24,14 +24,11 @@ PictureSize parseSize(const std::string& text) {
   return {width, height};
 }
 
-FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
-  FrameOptions frame;
-  frame.up = directionOf(uprightOf(model, options.look).up);
-  frame.shown = model.shown;
-  frame.splatRadius = discRadiusOf(model);
+FrameOptions frameOptions(const PictureOptions& options, const Model& model, bool isSoftware = false,
+                          const ColoredField* field = nullptr) {
+  FrameOptions frame = frameOptionsOf(model, uprightOf(model, options.look).up, options.color, field, options.light,
+                                      {.isSoftware = isSoftware, .barePoints = options.points});
   frame.pass = imagePassNamed(options.pass);
-  frame.color = options.color.source().value_or(ColorSource::rgb);
-  frame.colorMap = options.color.mapOf();
   frame.everyPoint = options.everyPoint;
   frame.raster = rasterNamed(options.raster);
   constexpr std::uint32_t kUsualSmooth_px = 3;  // default for the pass smooth-depth
@@ -76,6 +73,14 @@ Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size) {
   return {.from = camera.unproject(scaleBarCorner(size), depth, {size.width, size.height}),
           .along = scaleBarLength(camera, size) * camera.axes().right,
           .radius = 0.003 * size.height * camera.divisorAt(depth) / camera.focal_px(size.height)};
+}
+
+void annotate(Image& image, const Annotations& annotations) {
+  const PictureSize size{image.width, image.height};
+  if (!annotations.scale.empty())
+    drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), annotations.scale);
+  if (annotations.legend) drawLegend(image, *annotations.legend);
+  if (!annotations.measured.empty()) drawLabel(image, annotations.measured_px, annotations.measured);
 }
 
 void addPictureOptions(Options& command, PictureOptions& options) {
@@ -182,9 +187,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   Device& device = context.device();
   const PictureSize size = parseSize(options.size);
   const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
-  FrameOptions frameOf = frameOptions(options, model);
-  if (field) frameOf.color = field->colors(options.color);
-  frameOf.light = lightOf(options.light, model, {.isSoftware = device.isCpu(), .barePoints = options.points});
+  FrameOptions frameOf = frameOptions(options, model, device.isCpu(), field);
   frameOf.overlays = overlays;
   frameOf.lines = modelLines(model, options.cameras);
   const std::string& name = files.name;
@@ -198,9 +201,13 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   else if (!upNamed(options.look.up))
     context.log().say("{}: up is {}: {}", name, nameOf(upright.up), upright.why);
   const std::vector<Camera> cameras = camerasFor(files, options, model, upright.up, aspect);
-  const double bar = options.scaleBar ? scaleBarLength(cameras.front(), size) : 0;
-  if (options.scaleBar) context.log().say("{}: the scale bar is {} long", name, lengthText(bar, unit));
+  Annotations annotations;
+  if (options.scaleBar) annotations.scale = lengthText(scaleBarLength(cameras.front(), size), unit);
+  if (options.scaleBar) context.log().say("{}: the scale bar is {} long", name, annotations.scale);
   const bool hasLegend = (frameOf.pass == ImagePass::final || frameOf.pass == ImagePass::color) && !model.cloud.empty();
+  if (hasLegend && field) annotations.legend = field->legend(options.color);
+  if (hasLegend && frameOf.color == ColorBy(ColorSource::height))
+    annotations.legend = heightLegend(model, upright.up, unit, frameOf.colorMap);
   CommandList list(device, device.throughputQueue(), "frame",
                    options.printFrame ? CommandList::Timing::passes : CommandList::Timing::none);
   for (std::size_t k = 0; k < cameras.size(); ++k) {
@@ -210,10 +217,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
     list.end();
     device.throughputQueue().run(list);
     Image image = frame.readColor();
-    if (options.scaleBar) drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), lengthText(bar, unit));
-    if (hasLegend && field) drawLegend(image, field->legend(options.color));
-    if (hasLegend && frameOf.color == ColorBy(ColorSource::height))
-      drawLegend(image, heightLegend(model, upright.up, unit, frameOf.colorMap));
+    annotate(image, annotations);
     writeImage(files.each[k], image);
   }
   if (!options.depthFile.empty()) writePfm(options.depthFile, frame.readDepth());

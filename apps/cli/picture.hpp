@@ -30,6 +30,15 @@ double scaleBarLength(const Camera& camera, const PictureSize& size);
 /// A bar of that length at the lower left.
 Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size);
 
+/// What is written into a picture once it is drawn, in the window's pictures and the command line's alike.
+struct Annotations {
+  std::string scale;  ///< length of scaleBar(), above it; empty: there is no bar
+  std::optional<Legend> legend;
+  std::string measured;        ///< at `measured_px`; empty: nothing is
+  DVec2 measured_px{0};        ///< pixels from the top left
+};
+void annotate(Image& image, const Annotations& annotations);
+
 /// --samples: 1 or 4.
 void addSamplesOption(Options& command, std::uint32_t& samples);
 

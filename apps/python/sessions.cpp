@@ -283,7 +283,9 @@ void bindPictures(py::class_<PySession>& session) {
           [](PySession& self, const std::pair<std::uint32_t, std::uint32_t>& size, const std::optional<Vector>& eye,
              const std::optional<Vector>& target, const std::optional<Vector>& up, double fov, const std::string& color,
              const std::optional<Color>& background, std::uint32_t samples, const std::string& colorMap,
-             const std::string& colorRange) {
+             const std::string& colorRange, const std::string& material, const std::string& occlusion,
+             const std::string& cavity, const std::string& ground, const std::string& eyeDome,
+             const std::string& projection, double orthoHeight, bool transparent) {
             pp_picture_options options = pp_default_picture_options();
             options.width = size.first;
             options.height = size.second;
@@ -292,6 +294,14 @@ void bindPictures(py::class_<PySession>& session) {
             options.color = color.c_str();
             options.color_map = colorMap.c_str();
             options.color_range = colorRange.c_str();
+            options.material = material.c_str();
+            options.occlusion = occlusion.c_str();
+            options.cavity = cavity.c_str();
+            options.ground = ground.c_str();
+            options.eye_dome = eyeDome.c_str();
+            options.projection = projection.c_str();
+            options.ortho_height = orthoHeight;
+            options.transparent = transparent ? 1 : 0;
             vectorOr(eye, options.has_eye, options.eye);
             vectorOr(target, options.has_target, options.target);
             vectorOr(up, options.has_up, options.up);
@@ -302,16 +312,23 @@ void bindPictures(py::class_<PySession>& session) {
           py::arg("size") = std::pair(1280, 720), py::arg("eye") = py::none(), py::arg("target") = py::none(),
           py::arg("up") = py::none(), py::arg("fov") = 45.0, py::arg("color") = "rgb",
           py::arg("background") = py::none(), py::arg("samples") = 4, py::arg("color_map") = "auto",
-          py::arg("color_range") = "auto",
+          py::arg("color_range") = "auto", py::arg("material") = "auto", py::arg("occlusion") = "auto",
+          py::arg("cavity") = "auto", py::arg("ground") = "auto", py::arg("eye_dome") = "auto",
+          py::arg("projection") = "perspective", py::arg("ortho_height") = 0.0, py::arg("transparent") = false,
           "render(size=(1280, 720), eye=None, target=None, up=None, fov=45, color='rgb', background=None, "
-          "samples=4, color_map='auto', color_range='auto')\n\n"
+          "samples=4, color_map='auto', color_range='auto', material='auto', occlusion='auto', cavity='auto', "
+          "ground='auto', eye_dome='auto', projection='perspective', ortho_height=0, transparent=False)\n\n"
           "Draws the present points: uint8, height x width x 4, rows from the top. size: width, height,\n"
           "16384 at most. eye, target, up: model units; what is not given is chosen to fit the model. fov:\n"
           "vertical, degrees. color: rgb, normal, depth, height, or a field of the points. background: three of\n"
           "0 to 255. samples: per pixel, 1 or 4. color_map: viridis, turbo, grey, red-blue, classes, terrain, or auto\n"
           "(classes for the field classification, terrain for height and depth, else viridis). color_range: "
           "'LOW,HIGH', numbers or percentiles as 2%, of a\n"
-          "field; auto: 2%,98%, and of classes all.")
+          "field; auto: 2%,98%, and of classes all. material: clay, stone, plaster, metal, unlit, or auto (unlit for\n"
+          "a file with colours and without normals, else clay). occlusion, cavity, ground, eye_dome: on, off, or auto\n"
+          "(as palpate render). projection: perspective, orthographic, or isometric (orthographic, from the front,\n"
+          "the right and above). ortho_height: of an orthographic picture, model units; 0: so that the model fills\n"
+          "it. transparent: without a background; the fourth number of a pixel is its opacity.")
       .def(
           "mesh",
           [](PySession& self, std::uint32_t resolution, const std::string& surface, std::optional<double> radius_mm) {

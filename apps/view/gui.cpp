@@ -154,13 +154,10 @@ PanelShapes Gui::end() {
   return {vertices_, triangles_, clips_};
 }
 
-PanelShapes Gui::behindPanels() const { return {vertices_, std::span(triangles_).first(behind_), clips_}; }
-
 void Gui::gather() {
   vertices_.clear();
   triangles_.clear();
   clips_.clear();
-  behind_ = 0;
   const ImDrawData& data = *ImGui::GetDrawData();
   for (const ImDrawList* list : std::span(data.CmdLists, static_cast<std::size_t>(data.CmdListsCount))) {
     const auto base = static_cast<std::uint32_t>(vertices_.size());
@@ -176,7 +173,6 @@ void Gui::gather() {
       for (unsigned i = 0; i + 2 < command.ElemCount; i += 3)
         triangles_.push_back({{at(i), at(i + 1), at(i + 2)}, clip});
     }
-    if (list == ImGui::GetBackgroundDrawList()) behind_ = triangles_.size();  // it comes first
   }
 }
 

@@ -30,8 +30,6 @@ class Gui {
   /// The panels of one frame are drawn between these.
   void begin(const UVec2& size_px, double dt_s);
   PanelShapes end();
-  /// The part of the shapes that lies behind all panels: scale and heights.
-  PanelShapes behindPanels() const;
   /// Number of times the font was built.
   std::uint64_t fontVersion() const { return fontVersion_; }
 
@@ -55,7 +53,6 @@ class Gui {
   std::set<unsigned> letters_;  // beyond Latin
   std::vector<unsigned short> ranges_;
   bool lacksLetters_ = false, closesList_ = false;
-  std::size_t behind_ = 0;  // number of triangles behind the panels; they come first
   std::string clipboard_;
   std::vector<shared::PanelVertex> vertices_;
   std::vector<shared::PanelTriangle> triangles_;

@@ -28,6 +28,12 @@ std::optional<double> Measure::distance() const {
   return glm::distance(picked_[0].place, picked_[1].place);
 }
 
+std::optional<DVec2> Measure::middle_px(const Camera& camera, const UVec2& size_px) const {
+  if (!distance()) return std::nullopt;
+  const auto at = camera.project(0.5 * (picked_[0].place + picked_[1].place), DVec2(size_px));
+  return at ? std::optional(DVec2(*at)) : std::nullopt;
+}
+
 double Measure::scaleFor(const std::string& text) const {
   double true_mm = 0;
   const char* const end = text.data() + text.size();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/core/vec.hpp"
+#include "engine/render/camera.hpp"
 
 namespace palpate {
 
@@ -30,6 +31,8 @@ class Measure {
   std::span<const PickedPosition> picked() const { return picked_; }
   /// Model units; nothing with fewer than two positions.
   std::optional<double> distance() const;
+  /// The middle between two positions in such a picture; nothing if it is behind the camera.
+  std::optional<DVec2> middle_px(const Camera& camera, const UVec2& size_px) const;
   std::uint64_t version() const { return version_; }  ///< increases with each change
 
   /// Millimetres per model unit that give the measured distance the length in `text`, mm. Throws Error.

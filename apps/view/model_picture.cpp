@@ -11,6 +11,14 @@ namespace {
 constexpr std::size_t kPicked = 5;    // depths: at the cursor, and to the left, right, above and below
 constexpr std::uint32_t kBeside = 4;  // distance of the other four, picture pixels
 
+void record(Frame& frame, CommandList& list, WindowSession& session, const ShownMesh& mesh, const Camera& camera,
+            const FrameOptions& options) {
+  if (mesh.triangleCount() > 0)
+    frame.record(list, mesh.drawn(session.bounds()), camera, options);
+  else
+    frame.record(list, session.drawn(), camera, options);
+}
+
 }  // namespace
 
 ModelPicture::ModelPicture(Device& sight)
@@ -50,10 +58,18 @@ void ModelPicture::record(CommandList& list, WindowSession& session, const Shown
   isStale_ = false;
   isNew_ = true;
   ++made_;
-  if (mesh.triangleCount() > 0)
-    frame_->record(list, mesh.drawn(session.bounds()), scene_->camera, scene_->options);
-  else
-    frame_->record(list, session.drawn(), scene_->camera, scene_->options);
+  palpate::record(*frame_, list, session, mesh, scene_->camera, scene_->options);
+}
+
+Image ModelPicture::forFile(WindowSession& session, const ShownMesh& mesh, const Camera& camera,
+                            const FrameOptions& options, const UVec2& size_px) const {
+  Frame frame(sight_, size_px.x, size_px.y);
+  CommandList list(sight_, sight_.window(), "picture for a file");
+  list.begin();
+  palpate::record(frame, list, session, mesh, camera, options);
+  list.end();
+  sight_.window().run(list);
+  return frame.readColor();
 }
 
 void ModelPicture::recordPick(CommandList& list, const DVec2& window_px) {

@@ -39,6 +39,10 @@ class ModelPicture {
   void recordPick(CommandList& list, const DVec2& window_px);
   void takePick();
   const Pick& picked() const { return picked_; }
+  /// A picture of the same for a file: antialiased, in full resolution, through another camera. Nothing else uses the
+  /// device's window queue meanwhile.
+  Image forFile(WindowSession& session, const ShownMesh& mesh, const Camera& camera, const FrameOptions& options,
+                const UVec2& size_px) const;
   /// The surface in the last picture, once the GPU has finished it; reads all of its depths.
   FoundSurface surface(const DVec2& window_px);
 

@@ -33,12 +33,6 @@ void Screen::fit(const UVec2& window_px, bool waitsForDisplay) {
   wasShown_ = true;
 }
 
-void Screen::compose(CommandList& list, const Layers& layers, const PanelShapes& panels, const Buffer& into) {
-  panelPass_.record(list, layers.model ? &layers.model->frame().image() : nullptr,
-                    layers.model ? layers.model->shrink() : 1, panels, presenter_->size_px(), into,
-                    layers.dark ? kDark : kLight, presenter_->blueFirst());
-}
-
 std::uint64_t Screen::contentOf(const Layers& layers) const {
   Checksum sum;
   sum.addValue(std::uint64_t{layers.model != nullptr} << 1 | std::uint64_t{layers.dark});
@@ -63,37 +57,32 @@ bool Screen::show(const Layers& layers) {
   const AwayFromCore away(sight_.isCpu() ? layers.servoCore : -1);
   wasShown_ = presenter_->show(list_, shown_, [&] {
     if (layers.drawModel) layers.drawModel(list_);
-    compose(list_, layers, layers.panels, shown_);
+    panelPass_.record(list_, layers.model ? &layers.model->frame().image() : nullptr,
+                      layers.model ? layers.model->shrink() : 1, layers.panels, presenter_->size_px(), shown_,
+                      layers.dark ? kDark : kLight, presenter_->blueFirst());
   });
   content_ = wasShown_ ? std::optional(content) : std::nullopt;
   return true;
 }
 
-void Screen::writeKept(const Layers& layers, Messages& messages) {
-  const auto kept = std::exchange(kept_, std::nullopt);
-  if (!kept) return;
-  messages.tryTo([&] {
-    write(*kept, layers);
-    if (kept->of == Of::model) messages.say("picture written to " + kept->file);
-  });
+void Screen::writeKept(Messages& messages) {
+  if (const auto kept = std::exchange(kept_, std::nullopt)) messages.tryTo([&] { write(*kept); });
 }
 
-void Screen::write(const Kept& kept, const Layers& layers) {
+void Screen::write(const std::string& file) {
   presenter_->waitForLast();
   Image image{shown_px_.x, shown_px_.y, {}};
   image.rgba.resize(std::size_t{shown_px_.x} * shown_px_.y);
-  const Buffer bare(sight_, kept.of == Of::model ? shown_.bytes() : 0, Memory::device, "picture of the model");
   const Buffer staging(sight_, shown_.bytes(), Memory::readback, "screenshot");
   CommandList list(sight_, sight_.window(), "screenshot");
   list.begin();
-  if (kept.of == Of::model) compose(list, layers, layers.behindPanels, bare);
-  list.copy(kept.of == Of::model ? bare : shown_, staging, shown_.bytes());
+  list.copy(shown_, staging, shown_.bytes());
   list.end();
   sight_.window().run(list);
   std::memcpy(image.rgba.data(), staging.mapped<std::byte>().data(), shown_.bytes());
   if (presenter_->blueFirst())
     for (auto& pixel : image.rgba) std::swap(pixel[0], pixel[2]);
-  writeImage(kept.file, image);
+  writeImage(file, image);
 }
 
 }  // namespace palpate

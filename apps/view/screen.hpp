@@ -32,9 +32,8 @@ class Screen {
     bool modelDiffers = false;                    ///< from the last picture shown
     const ModelPicture* model = nullptr;          ///< target of drawModel
     PanelShapes panels;
-    PanelShapes behindPanels;  ///< the part that pictures of the model contain too: scale and heights
-    bool dark = true;          ///< background without a model
-    int servoCore = -1;        ///< core that a software driver avoids; negative: no servo thread runs
+    bool dark = true;    ///< background without a model
+    int servoCore = -1;  ///< core that a software driver avoids; negative: no servo thread runs
   };
   /// Only while isVisible(). False, with nothing drawn, if the picture would be the one that is shown already.
   bool show(const Layers& layers);
@@ -47,22 +46,15 @@ class Screen {
   /// Command list of the last picture, with its passes.
   const CommandList& list() const { return list_; }
 
-  /// Content of a picture file: the whole window, or the model without panels.
-  enum class Of { window, model };
-  /// Writes the next picture to a file; a picture of the model is reported to the user.
-  void keep(const std::string& file, Of of) { kept_ = Kept{file, of}; }
+  /// Writes the next picture to a file.
+  void keep(const std::string& file) { kept_ = file; }
   bool isKeeping() const { return kept_.has_value(); }
-  /// Writes the picture requested by keep(); `layers`: those of that picture.
-  void writeKept(const Layers& layers, Messages& messages);
+  /// Writes the picture requested by keep().
+  void writeKept(Messages& messages);
 
  private:
-  struct Kept {
-    std::string file;
-    Of of = Of::window;
-  };
   std::uint64_t contentOf(const Layers& layers) const;
-  void compose(CommandList& list, const Layers& layers, const PanelShapes& panels, const Buffer& into);
-  void write(const Kept& kept, const Layers& layers);
+  void write(const std::string& file);
 
   Device& sight_;
   const Gui& gui_;
@@ -74,7 +66,7 @@ class Screen {
   UVec2 shown_px_{0};
   bool wasShown_ = true;
   std::optional<std::uint64_t> content_;  // checksum of what is shown, apart from the model
-  std::optional<Kept> kept_;
+  std::optional<std::string> kept_;
 };
 
 }  // namespace palpate

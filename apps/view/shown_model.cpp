@@ -1,7 +1,9 @@
 #include "apps/view/shown_model.hpp"
 
+#include "apps/cli/picture.hpp"
 #include "apps/cli/probe_overlays.hpp"
 #include "apps/view/messages.hpp"
+#include "engine/cloud/length_text.hpp"
 
 namespace palpate {
 
@@ -10,16 +12,11 @@ namespace {
 constexpr std::array<std::uint8_t, 3> kLightBackground{236, 238, 240};
 
 FrameOptions frameOptions(const WindowSession& session, const ViewSettings& view, const ColoredField* field,
-                          bool touched) {
-  FrameOptions options;
-  options.color = view.color.source().value_or(ColorSource::rgb);
-  if (field) options.color = field->colors(view.color);
-  options.colorMap = view.color.mapOf();
-  if (!view.dark) options.background = kLightBackground;
+                          bool isSoftware, bool touched) {
   const Model& model = session.model();
-  options.up = directionOf(view.upOf(model));
-  options.shown = model.shown;
-  options.splatRadius = discRadiusOf(model);
+  FrameOptions options = frameOptionsOf(model, view.upOf(model), view.color, field, view.light,
+                                        {.isSoftware = isSoftware, .barePoints = false});
+  if (!view.dark) options.background = kLightBackground;
   if (view.discRadius_mm > 0) options.splatRadius = model.scale.toUnits(view.discRadius_mm);
   const RecentTicks& history = session.recentTicks();
   if (touched && !history.rows().empty())
@@ -78,10 +75,35 @@ void ShownModel::fit(const UVec2& window_px, const ViewSettings& view) {
 
 bool ShownModel::aim(const WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched,
                      const DVec2& cursor_px) {
-  FrameOptions options = frameOptions(session, view, field(), touched);
-  options.light = lightOf(view.light, session.model(), {.isSoftware = sight_.isCpu(), .barePoints = false});
+  FrameOptions options = frameOptions(session, view, field(), sight_.isCpu(), touched);
   options.lines = lines_.lines();
   return picture_.aim(session, mesh_, camera, options, cursor_px);
+}
+
+Image ShownModel::picture(WindowSession& session, Camera camera, const ViewSettings& view, bool touched,
+                          const UVec2& size_px, const Measure& measure) const {
+  camera.center = DVec2(0.5);
+  FrameOptions options = frameOptions(session, view, field(), sight_.isCpu(), touched);
+  options.lines = lines_.lines();
+  const PictureSize size{size_px.x, size_px.y};
+  if (view.scaleBar) options.overlays.scale = scaleBar(camera, size);
+  Image image = picture_.forFile(session, mesh_, camera, options, size_px);
+  const LengthUnit unit = view.unitOf(session.model());
+  Annotations annotations{.legend = legend(session, view)};
+  if (view.scaleBar) annotations.scale = lengthText(scaleBarLength(camera, size), unit);
+  if (const auto at = measure.middle_px(camera, size_px)) {
+    annotations.measured = lengthText(*measure.distance(), unit);
+    annotations.measured_px = *at;
+  }
+  annotate(image, annotations);
+  return image;
+}
+
+std::optional<Legend> ShownModel::legend(const WindowSession& session, const ViewSettings& view) const {
+  if (field()) return field()->legend(view.color);
+  if (view.color.source() != ColorSource::height) return std::nullopt;
+  const Model& model = session.model();
+  return heightLegend(model, view.upOf(model), view.unitOf(model), view.color.mapOf());
 }
 
 void ShownModel::record(CommandList& list, WindowSession& session, const UVec2& window_px) {

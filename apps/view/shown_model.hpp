@@ -34,10 +34,17 @@ class ShownModel {
   /// Draws that, and notes the depth under the cursor.
   void record(CommandList& list, WindowSession& session, const UVec2& window_px);
 
+  /// The picture that the settings ask for, for a file; the camera's target is in its middle. Nothing else uses the
+  /// device's window queue meanwhile.
+  Image picture(WindowSession& session, Camera camera, const ViewSettings& view, bool touched, const UVec2& size_px,
+                const Measure& measure) const;
+
   ModelPicture& picture() { return picture_; }
   const ModelPicture& picture() const { return picture_; }
   const ShownMesh& mesh() const { return mesh_; }
   const ShownLines& lines() const { return lines_; }
+  /// Of the colours; empty: they need none.
+  std::optional<Legend> legend(const WindowSession& session, const ViewSettings& view) const;
   /// Null if points are not coloured by a field.
   const ColoredField* field() const { return field_.field(); }
 

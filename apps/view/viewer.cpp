@@ -202,7 +202,7 @@ void Viewer::act(const TimedAction& timed) {
     if (const auto* tap = std::get_if<TapAction>(&action)) events_.add(tap->events, timed.time_s, timed.time_s);
     if (const auto* resize = std::get_if<ResizeAction>(&action)) window_.resize(resize->size_px);
     if (const auto* minimise = std::get_if<MinimiseAction>(&action)) window_.minimise(minimise->on);
-    if (const auto* picture = std::get_if<ScreenshotAction>(&action)) screen_.keep(picture->file, Screen::Of::window);
+    if (const auto* picture = std::get_if<ScreenshotAction>(&action)) screen_.keep(picture->file);
     if (const auto* state = std::get_if<StateAction>(&action)) writeState(state->file);
     if (const auto* command = std::get_if<ViewCommand>(&action)) carryOut(*command);
     if (const auto* impatient = std::get_if<ImpatientAction>(&action)) script_.setImpatient(impatient->on);
@@ -301,7 +301,7 @@ void Viewer::carryOut(WindowCommand command) {
   if (command == WindowCommand::copyPlaces) copyPlaces();
   if (command == WindowCommand::resetView) fitCamera();
   if (command == WindowCommand::turnModel) turnModel();
-  if (command == WindowCommand::screenshot) screen_.keep(document_.freeName("", "png"), Screen::Of::model);
+  if (command == WindowCommand::screenshot) savePicture();
 }
 
 void Viewer::carryOut(DeviceCommand command) {

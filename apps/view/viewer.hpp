@@ -94,13 +94,13 @@ class Viewer {
   void fitCamera();
   void copyPlaces();
   void exportMesh(const std::string& file);
+  void savePicture();
   void turnModel();
   void findPlaceInfo();
   Pointed pointed();
   ViewStatus status();
   std::vector<std::string> notices();
   ViewStatus::ScaleBar scaleOfPicture() const;
-  std::optional<DVec2> middleOfMeasure_px() const;
   DrawnVolume drawnVolume();
   void writeState(const std::string& file);
 

@@ -51,7 +51,7 @@ bool Viewer::draw(double dt_s) {
   // From here on the resources of the last frame are overwritten.
   screen_.waitForLast();
 
-  Screen::Layers layers{.panels = panels, .behindPanels = gui_.behindPanels(), .dark = settings_.view.dark};
+  Screen::Layers layers{.panels = panels, .dark = settings_.view.dark};
   WindowSession* session = document_.session();
   // While the model is parked, its last picture stays.
   if (document_.isGivingWay() && shown_.picture().hasSize(screen_.size_px())) layers.model = &shown_.picture();
@@ -70,8 +70,21 @@ bool Viewer::draw(double dt_s) {
     layers.drawModel = [&](CommandList& list) { shown_.record(list, *session, screen_.size_px()); };
   }
   const bool isShown = screen_.show(layers);
-  screen_.writeKept(layers, messages_);
+  screen_.writeKept(messages_);
   return isShown;
+}
+
+void Viewer::savePicture() {
+  WindowSession& session = *document_.session();
+  if (!screen_.isVisible()) return;
+  screen_.waitForLast();
+  session.drawn().closeSurface();
+  Camera camera = viewpoint_.camera();
+  camera.setDepthRange(session.bounds(), session.longestSide());
+  const std::string file = document_.freeName("", "png");
+  writeImage(file, shown_.picture(session, camera, settings_.view, pointing_.isTouching() || session.isPlaying(),
+                                  screen_.size_px(), measure_));
+  messages_.say("picture written to " + file);
 }
 
 }  // namespace palpate

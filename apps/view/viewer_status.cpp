@@ -15,13 +15,6 @@ ViewStatus::ScaleBar Viewer::scaleOfPicture() const {
   return {.width_px = width_px, .length = length};
 }
 
-std::optional<DVec2> Viewer::middleOfMeasure_px() const {
-  if (!measure_.distance()) return std::nullopt;
-  const DVec3 middle = 0.5 * (measure_.picked()[0].place + measure_.picked()[1].place);
-  const auto at = viewpoint_.camera().project(middle, DVec2(screen_.size_px()));
-  return at ? std::optional(DVec2(*at)) : std::nullopt;
-}
-
 // placeInfo() iterates over all points: called only once per picked position.
 void Viewer::findPlaceInfo() {
   if (!document_.session() || measure_.picked().empty()) picked_.info.reset();
@@ -89,11 +82,9 @@ ViewStatus Viewer::status() {
     status.lengths = view.shownLength(*session);
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
     status.selection = selection_.of(*session);
-    status.measuredAt_px = middleOfMeasure_px();
-    if (view.color.source() == ColorSource::height)
-      status.legend = heightLegend(session->model(), view.upOf(session->model()), status.unit, view.color.mapOf());
+    status.measuredAt_px = measure_.middle_px(viewpoint_.camera(), screen_.size_px());
+    status.legend = shown_.legend(*session, view);
     status.field = shown_.field();
-    if (status.field) status.legend = status.field->legend(view.color);
     status.fields = fieldNames(session->model().cloud, session->attributes().fields());
     status.whereError = whereError_;
   }

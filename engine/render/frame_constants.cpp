@@ -12,9 +12,10 @@ namespace palpate {
 
 namespace {
 
-// Of points without colour, by material; linear light.
-const std::array<Vec3, 5> kBaseColors{Vec3(0.58f, 0.40f, 0.29f), Vec3(0.42f, 0.40f, 0.37f), Vec3(0.78f, 0.76f, 0.72f),
-                                      Vec3(0.50f, 0.50f, 0.51f), Vec3(0.58f, 0.40f, 0.29f)};
+// RGBA8 of points without colour, by material.
+constexpr std::array<std::uint32_t, 5> kBaseColors{
+    shared::kUnpainted, packedColor({173, 170, 164, 255}), packedColor({229, 226, 221, 255}),
+    packedColor({188, 188, 189, 255}), shared::kUnpainted};
 const Vec3 kBackgroundTop(0.020f, 0.024f, 0.033f);
 const Vec3 kBackgroundBottom(0.115f, 0.125f, 0.145f);
 constexpr double kDiscThickness = 0.12;  // of its radius
@@ -32,15 +33,9 @@ float linearFromSrgb(std::uint8_t encoded) {
   return static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
 }
 
-// The base colour as points carry it.
-std::uint32_t unpainted(Material material) {
-  if (material == Material::clay || material == Material::unlit) return shared::kUnpainted;
-  std::uint32_t color = 0xff000000u;
-  for (int k = 0; k < 3; ++k) {
-    const double light = double{kBaseColors[static_cast<std::size_t>(material)][k]};
-    color |= static_cast<std::uint32_t>(std::lround(255 * (1.055 * std::pow(light, 1 / 2.4) - 0.055))) << 8 * k;
-  }
-  return color;
+Vec3 linearColor(std::uint32_t rgba) {
+  const std::array<std::uint8_t, 4> color = unpackedColor(rgba);
+  return {linearFromSrgb(color[0]), linearFromSrgb(color[1]), linearFromSrgb(color[2])};
 }
 
 shared::RenderView viewOf(const Camera& camera, const FrameSize& size) {
@@ -199,6 +194,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
   const double usual = usualDrawnRadius(drawn, camera, size.height * size.supersample);
   const auto* const source = std::get_if<ColorSource>(&options.color);
   const FieldColors range = source ? FieldColors() : std::get<FieldColors>(options.color);
+  const std::uint32_t baseColor = kBaseColors[static_cast<std::size_t>(options.light.material)];
   shared::RenderFrame frame{.view = viewOf(camera, size),
                             .overlays = overlaysOf(options.overlays),
                             .boundsMin = Vec3(shown.min),
@@ -216,7 +212,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .imagePass = static_cast<std::uint32_t>(options.pass),
                             .colorBy = source ? static_cast<std::uint32_t>(*source) : shared::kColorByFile,
                             .hasColors = drawn.hasColors,
-                            .baseColor = kBaseColors[static_cast<std::size_t>(options.light.material)],
+                            .baseColor = linearColor(baseColor),
                             .shown = drawn.shown,
                             .backgroundTop = kBackgroundTop,
                             .occlusionRadius = static_cast<float>(kOcclusionRadius * shown.longestSide()),
@@ -230,7 +226,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .highValue = static_cast<float>(range.high),
                             .colorMap = static_cast<std::uint32_t>(options.colorMap),
                             .material = static_cast<std::uint32_t>(options.light.material),
-                            .unpainted = unpainted(options.light.material),
+                            .unpainted = baseColor,
                             .backgroundOpacity = options.transparent ? 0.f : 1.f};
   if (drawn.closeHoles) {
     const double radius_px = usual * frame.view.focal_px / camera.divisorAt(std::max(depths.x, camera.nearDepth));

@@ -175,6 +175,27 @@ PictureRequest pictureFrom(const pp_picture_options& options) {
   request.color.map = chosen(kColorMapChoices, options.color_map, std::optional<ColorMap>(), "color_map");
   if (options.color_range) request.color.range = options.color_range;
   validate(request.color, kPictureColors);
+  request.light.material = chosen(kMaterialChoices, options.material, std::optional<Material>(), "material");
+  const auto isOn = [](const char* given, const char* name) {
+    return chosen(kSwitchChoices, given, std::optional<bool>(), name);
+  };
+  request.light.occlusion = isOn(options.occlusion, "occlusion");
+  request.light.cavity = isOn(options.cavity, "cavity");
+  request.light.ground = isOn(options.ground, "ground");
+  request.light.eyeDome = isOn(options.eye_dome, "eye_dome");
+  if (!(options.ortho_height >= 0 && std::isfinite(options.ortho_height)))
+    throw UsageError("ortho_height: {} is not a length, model units", options.ortho_height);
+  enum class Projection { perspective, orthographic, isometric };
+  static constexpr std::array<std::pair<std::string_view, Projection>, 3> kProjections{
+      {{"perspective", Projection::perspective},
+       {"orthographic", Projection::orthographic},
+       {"isometric", Projection::isometric}}};
+  const Projection projection = chosen(kProjections, options.projection, Projection::perspective, "projection");
+  if (projection == Projection::perspective && options.ortho_height > 0)
+    throw UsageError("ortho_height: the projection is perspective");
+  if (projection != Projection::perspective) request.camera.ortho = options.ortho_height;
+  request.camera.isometric = projection == Projection::isometric;
+  request.transparent = options.transparent != 0;
   if (options.has_background)
     request.background = {options.background[0], options.background[1], options.background[2]};
   return request;

@@ -26,4 +26,17 @@ double discRadiusOf(const Model& model) {
   return model.spacing > 0 || model.cloud.empty() ? 0 : kLone;
 }
 
+FrameOptions frameOptionsOf(const Model& model, UpAxis up, const ColorConfig& color, const ColoredField* field,
+                            const LightConfig& light, const LightFor& picture) {
+  FrameOptions options;
+  options.color = color.source().value_or(ColorSource::rgb);
+  if (field) options.color = field->colors(color);
+  options.colorMap = color.mapOf();
+  options.splatRadius = discRadiusOf(model);
+  options.up = directionOf(up);
+  options.shown = model.shown;
+  options.light = lightOf(light, model, picture);
+  return options;
+}
+
 }  // namespace palpate

@@ -22,7 +22,8 @@ void SessionPicture::follow(const EditBatch& batch) {
   }
 }
 
-FieldColors SessionPicture::show(const Layer& layer, const History* history, const ColorConfig& color) {
+std::optional<ColoredField> SessionPicture::shownField(const Layer& layer, const History* history, const ColorConfig& color) {
+  if (color.source()) return std::nullopt;
   const Model& model = *layer.model;
   ColoredField field(color, model.cloud, layer.attributes.fields(),
                      {.mm_per_unit = mmPerUnit(model.cloud, 0), .up = model.upright.up},
@@ -32,7 +33,7 @@ FieldColors SessionPicture::show(const Layer& layer, const History* history, con
   const std::span<const PointState> states = history ? std::span<const PointState>(history->points()) : loaded;
   field.read(states, layer.attributes.fields(), shownPoints(states, layer.attributes.mask(MaskRole::hidden)));
   drawn_->attributes().show(field.floats());
-  return field.colors(color);
+  return field;
 }
 
 Image SessionPicture::draw(const Layer& layer, const History* history, const PictureRequest& request) {
@@ -53,14 +54,11 @@ Image SessionPicture::draw(const Layer& layer, const History* history, const Pic
   }
   drawn_->closeSurface();
   const UpAxis up = model.upright.up;
-  ColorBy color = request.color.source().value_or(ColorSource::rgb);
-  if (!request.color.source()) color = show(layer, history, request.color);
-  const FrameOptions options{.color = color,
-                             .colorMap = request.color.mapOf(),
-                             .splatRadius = discRadiusOf(model),
-                             .up = directionOf(up),
-                             .shown = model.shown,
-                             .background = request.background};
+  const std::optional<ColoredField> field = shownField(layer, history, request.color);
+  FrameOptions options = frameOptionsOf(model, up, request.color, field ? &*field : nullptr, request.light,
+                                        {.isSoftware = sight_.isCpu(), .barePoints = false});
+  options.background = request.background;
+  options.transparent = request.transparent;
   const double aspect = static_cast<double>(request.width) / request.height;
   const Camera camera = Camera::asked(request.camera, model.cloud, aspect, framingOf(model, up));
   Frame frame(sight_, request.width, request.height, request.samples > 1 ? 2 : 1);

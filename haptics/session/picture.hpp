@@ -27,8 +27,8 @@ class SessionPicture {
   Image draw(const Layer& layer, const History* history, const PictureRequest& request);
 
  private:
-  /// The colours of a field that is asked for.
-  FieldColors show(const Layer& layer, const History* history, const ColorConfig& color);
+  /// The field that is asked for, whose numbers colour the points from now on; empty: another colour is.
+  std::optional<ColoredField> shownField(const Layer& layer, const History* history, const ColorConfig& color);
 
   Device& sight_;
   std::optional<DrawnCloud> drawn_;

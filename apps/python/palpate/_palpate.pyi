@@ -300,6 +300,14 @@ class _Session:
         samples: int = ...,
         color_map: ColorMap = ...,
         color_range: str = ...,
+        material: Material = ...,
+        occlusion: Switch = ...,
+        cavity: Switch = ...,
+        ground: Switch = ...,
+        eye_dome: Switch = ...,
+        projection: Projection = ...,
+        ortho_height: float = ...,
+        transparent: bool = ...,
     ) -> NDArray[np.uint8]: ...
     def mesh(self, resolution: int = ..., surface: MeshSurface = ..., radius_mm: float | None = ...) -> Mesh: ...
     def add_frame(

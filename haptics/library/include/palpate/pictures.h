@@ -28,13 +28,22 @@ typedef struct pp_picture_options {
   double fov_deg;          /**< vertical field of view, degrees, 1 to 170 */
   const char* color;       /**< "rgb", "normal", "depth", "height", or a field of the points; null: rgb */
   uint8_t background[4];   /**< red green blue; the fourth is not used */
-  uint32_t reserved;       /**< not used */
+  uint32_t transparent;    /**< 1: without a background; the fourth byte of a pixel is its opacity */
   /** Colours of depths, heights and fields: "viridis", "turbo", "grey", "red-blue", "classes" (of LAS, of a field),
    * "terrain"; null or "auto": classes for the field classification, terrain for heights and depths, else viridis */
   const char* color_map;
   /** "LOW,HIGH" of a field: the numbers at the ends of the colours, or percentiles as 2%,98%; null or "auto": those
    * percentiles, and of classes all */
   const char* color_range;
+  const char* material;  /**< "clay", "stone", "plaster", "metal", "unlit"; null or "auto": unlit for a file with colours
+                            and without normals, else clay */
+  const char* occlusion; /**< hollows are darker: "on", "off"; null or "auto": off on software drivers */
+  const char* cavity;    /**< grooves are darker: likewise */
+  const char* ground;    /**< shadow on a ground below the model, which is not felt: likewise */
+  const char* eye_dome;  /**< outlines of depth: "on", "off"; null or "auto": on where auto makes the material unlit */
+  /** "perspective", "orthographic", or "isometric": orthographic, from the front, the right and above; null: the first */
+  const char* projection;
+  double ortho_height; /**< of an orthographic picture, model units; 0: so that the model fills it */
 } pp_picture_options;
 PP_OPTIONS(picture_options)
 /** Draws the present points into `rgba`: rows from the top, 4 bytes for each pixel; `bytes` is the size of the buffer.
