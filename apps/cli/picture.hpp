@@ -12,7 +12,7 @@ namespace palpate {
 struct PictureOptions {
   LookOptions look;
   ColorConfig color;
-  LightConfig light{.material = Material::clay};  ///< pictures of scans keep their light unless auto is requested
+  LightConfig light;
   std::string size = "1280x720", camera, splatRadius = "auto", pass = "final", background, depthFile,
               raster = "compute";
   std::uint32_t smooth_px = 0, samples = 4;
@@ -34,8 +34,8 @@ Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size);
 struct Annotations {
   std::string scale;  ///< length of scaleBar(), above it; empty: there is no bar
   std::optional<Legend> legend;
-  std::string measured;        ///< at `measured_px`; empty: nothing is
-  DVec2 measured_px{0};        ///< pixels from the top left
+  std::string measured;  ///< at `measured_px`; empty: nothing is
+  DVec2 measured_px{0};  ///< pixels from the top left
 };
 void annotate(Image& image, const Annotations& annotations);
 

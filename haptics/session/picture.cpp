@@ -22,7 +22,8 @@ void SessionPicture::follow(const EditBatch& batch) {
   }
 }
 
-std::optional<ColoredField> SessionPicture::shownField(const Layer& layer, const History* history, const ColorConfig& color) {
+std::optional<ColoredField> SessionPicture::shownField(const Layer& layer, const History* history,
+                                                       const ColorConfig& color) {
   if (color.source()) return std::nullopt;
   const Model& model = *layer.model;
   ColoredField field(color, model.cloud, layer.attributes.fields(),

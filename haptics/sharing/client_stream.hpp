@@ -79,7 +79,7 @@ class ClientStream {
   std::uint64_t sample_ = 0, taken_ = 0, window_;
   StreamSample held_;
   bool holds_ = false;  // held_ is still to be written
-  Points stated_{};     // of the last sample, whose arrays are gone; a probe states the same of the order and of strokes
+  Points stated_{};     // head of the last sample, whose arrays are gone; a probe states the same
   struct Step {
     std::uint64_t sample = 0;
     Stopwatch since;

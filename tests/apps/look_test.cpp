@@ -343,9 +343,14 @@ TEST_CASE("the window shows colours without normals as they are, and the light t
           std::abs(bare.at(x + dx, y + dy)[0] - green[0]) <= 2 && std::abs(bare.at(x + dx, y + dy)[1] - green[1]) <= 2;
   CHECK(inColor >= 45);  // of 49
   CHECK(differing(bare, metal, x, y, 40) > 3000);
-  // The saved picture has the light of the window.
+  // The saved picture has the light of the window, and the ball in its middle.
   const Picture saved(played->folder.path() / "ball-1.png");
-  CHECK(differing(saved, metal, x, y, 40) == 0);
+  int unlike = 0;
+  for (int dy = -40; dy <= 40; ++dy)
+    for (int dx = -40; dx <= 40; ++dx)
+      for (std::size_t k = 0; k < 3; ++k)
+        unlike += std::abs(saved.at(saved.width / 2 + dx, y + dy)[k] - metal.at(x + dx, y + dy)[k]) > 12;
+  CHECK(unlike < 60);
 }
 
 }  // namespace palpate::look_test

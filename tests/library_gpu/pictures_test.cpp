@@ -135,6 +135,42 @@ TEST_CASE("a picture shows a field of the present points in the colours of a map
   CHECK(redOf(60) > 0);  // yellow
 }
 
+TEST_CASE("a picture has the light, the projection and the transparency that are asked for") {
+  const OpenBall ball(cpuOptions(), 6'000);
+  Picture picture;
+  pp_picture_options view = picture.options();
+  view.has_background = 0;
+  view.transparent = 1;
+  const auto opaque = [&] {
+    std::size_t count = 0;
+    for (std::size_t i = 3; i < picture.rgba.size(); i += 4) count += picture.rgba[i] > 127;
+    return count;
+  };
+  picture.take(ball.session, view);
+  CHECK(picture.rgba[3] == 0);
+  const auto clay = picture.rgba;
+  const std::size_t near = opaque();
+  view.projection = "orthographic";
+  view.ortho_height = 1000;
+  picture.take(ball.session, view);
+  CHECK(opaque() < near / 10);
+  view = picture.options();
+  view.has_background = 0;
+  view.transparent = 1;
+  view.material = "metal";
+  picture.take(ball.session, view);
+  CHECK(opaque() == near);
+  CHECK(picture.rgba != clay);
+  view.material = "gold";
+  std::vector<std::uint8_t> rgba(picture.rgba.size());
+  CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("plaster"));
+  view = picture.options();
+  view.ortho_height = 3;
+  CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("ortho_height"));
+}
+
 TEST_CASE("a picture with an invalid size, buffer or camera is refused, and a valid one can be written") {
   const OpenBall ball(cpuOptions(), 2'000);
   Picture picture;

@@ -42,6 +42,9 @@ def test_each_hint_lists_exactly_the_words_that_the_library_accepts(ball: pp.Clo
         assert words_in_error(lambda: session.set_brush(wrong)) == set(get_args(_types.BrushKind))
         assert words_in_error(lambda: session.mesh(surface=wrong)) == set(get_args(_types.MeshSurface))
         assert words_in_error(lambda: session.render(color_map=wrong)) == set(get_args(_types.ColorMap))
+        assert words_in_error(lambda: session.render(material=wrong)) == set(get_args(_types.Material))
+        assert words_in_error(lambda: session.render(cavity=wrong)) == set(get_args(_types.Switch))
+        assert words_in_error(lambda: session.render(projection=wrong)) == set(get_args(_types.Projection))
         assert words_in_error(lambda: session.live(builtin=wrong)) == set(get_args(_types.BuiltinPath)) - {"stir"}
 
 

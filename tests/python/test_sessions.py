@@ -153,6 +153,15 @@ def test_pictures_are_arrays_with_the_ball_in_the_middle(session):
     assert not np.array_equal(above, img)
     low = session.render((160, 120), color="y", color_map="red-blue", color_range="1000,2000").astype(int)
     assert low[60, 80, 0] > low[60, 80, 2] + 20
+    clear = session.render((160, 120), transparent=True)
+    assert clear[0, 0, 3] == 0 and clear[60, 80, 3] == 255
+    ortho = session.render((160, 120), projection="orthographic", ortho_height=200, transparent=True)
+    covered = (ortho[:, :, 3] > 127).sum()  # a ball of 50 in a picture 200 high
+    assert covered == pytest.approx(np.pi * (RADIUS / 200 * 120) ** 2, rel=0.05)
+    lit = session.render((160, 120), material="metal", occlusion="on", cavity="on", ground="off", transparent=True)
+    assert not np.array_equal(lit, clear)
+    with pytest.raises(pp.UsageError, match="ortho_height"):
+        session.render((16, 12), ortho_height=3)
     assert session._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(pp.UsageError):
         session.render((0, 120))

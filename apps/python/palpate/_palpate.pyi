@@ -12,9 +12,12 @@ from ._types import (
     BuiltinPath,
     ColorMap,
     MaskKind,
+    Material,
     MeshSurface,
+    Projection,
     SessionOptions,
     SurfaceKind,
+    Switch,
     Validity,
 )
 

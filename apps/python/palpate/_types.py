@@ -10,8 +10,11 @@ BrushKind = Literal["push", "carve", "inflate", "smooth", "grab", "paint", "flat
 BuiltinPath = Literal["press", "slide", "scan", "orbit", "stir"]  # in water and sand press and stir, else all but stir
 ColorMap = Literal["auto", "viridis", "turbo", "grey", "red-blue", "classes", "terrain"]
 MaskKind = Literal["selected", "hidden", "locked", "within"]
+Material = Literal["auto", "clay", "stone", "plaster", "metal", "unlit"]
 MeshSurface = Literal["sphere", "average", "sharp", "density"]
+Projection = Literal["perspective", "orthographic", "isometric"]
 SurfaceKind = Literal["average", "sphere", "sharp"]
+Switch = Literal["auto", "on", "off"]
 ToolKind = Literal["point", "pad", "ball", "spatula"]
 Validity = Literal["fresh", "held", "none"]
 
@@ -47,9 +50,12 @@ __all__ = [
     "BuiltinPath",
     "ColorMap",
     "MaskKind",
+    "Material",
     "MeshSurface",
+    "Projection",
     "SessionOptions",
     "SurfaceKind",
+    "Switch",
     "ToolKind",
     "Validity",
 ]

@@ -35,15 +35,15 @@ typedef struct pp_picture_options {
   /** "LOW,HIGH" of a field: the numbers at the ends of the colours, or percentiles as 2%,98%; null or "auto": those
    * percentiles, and of classes all */
   const char* color_range;
-  const char* material;  /**< "clay", "stone", "plaster", "metal", "unlit"; null or "auto": unlit for a file with colours
-                            and without normals, else clay */
-  const char* occlusion; /**< hollows are darker: "on", "off"; null or "auto": off on software drivers */
-  const char* cavity;    /**< grooves are darker: likewise */
-  const char* ground;    /**< shadow on a ground below the model, which is not felt: likewise */
-  const char* eye_dome;  /**< outlines of depth: "on", "off"; null or "auto": on where auto makes the material unlit */
-  /** "perspective", "orthographic", or "isometric": orthographic, from the front, the right and above; null: the first */
-  const char* projection;
-  double ortho_height; /**< of an orthographic picture, model units; 0: so that the model fills it */
+  const char* material; /**< "clay", "stone", "plaster", "metal", "unlit"; null or "auto": unlit for a file with colours
+                           and without normals, else clay */
+  const char* occlusion;  /**< hollows are darker: "on", "off"; null or "auto": off on software drivers */
+  const char* cavity;     /**< grooves are darker: likewise */
+  const char* ground;     /**< shadow on a ground below the model, which is not felt: likewise */
+  const char* eye_dome;   /**< outlines of depth: "on", "off"; null or "auto": on if auto makes the material unlit */
+  const char* projection; /**< "perspective", "orthographic", or "isometric" (orthographic, from the front, the right
+                             and above); null: perspective */
+  double ortho_height;    /**< of an orthographic picture, model units; 0: so that the model fills it */
 } pp_picture_options;
 PP_OPTIONS(picture_options)
 /** Draws the present points into `rgba`: rows from the top, 4 bytes for each pixel; `bytes` is the size of the buffer.
