@@ -43,7 +43,7 @@ class TextLines {
     if (in_.bad()) throw FileError(file_, "cannot be read; is it a file?");
     if (!in_.eof()) {
       ++number_;
-      fail("the line is too long; is this a path in CSV?");
+      fail("the line is too long; is this the right file?");
     }
     return std::nullopt;
   }

@@ -146,14 +146,14 @@ void drawText(Image& image, const DVec2& at_px, const std::string& text) {
   Letters(letter).draw(image, static_cast<int>(at_px.x), static_cast<int>(at_px.y - letter), text);
 }
 
-void drawLabel(Image& image, const DVec2& at_px, const std::string& text) {
+void drawLabel(Image& image, const DVec2& at_px, const std::string& text, bool plate) {
   const double letter = letterHeight_px(image), padding = std::round(0.3 * letter);
   const Letters letters(letter);
   const DVec2 plate_px(std::ceil(letters.widthOf(text)) + 2 * padding, letter + 2 * padding);
   const DVec2 room_px = glm::max(DVec2(0), DVec2(image.width, image.height) - plate_px);
   const DVec2 corner_px = glm::clamp(glm::round(at_px - 0.5 * plate_px), DVec2(0), room_px);
   const int x = static_cast<int>(corner_px.x), y = static_cast<int>(corner_px.y);
-  drawPlate(image, x, y, static_cast<int>(plate_px.x), static_cast<int>(plate_px.y));
+  if (plate) drawPlate(image, x, y, static_cast<int>(plate_px.x), static_cast<int>(plate_px.y));
   letters.draw(image, x + static_cast<int>(padding), y + static_cast<int>(padding), text);
 }
 

@@ -14,7 +14,7 @@ void drawLegend(Image& image, const Legend& legend);
 /// Draws one line, its lower left corner at `at_px`, in a colour that contrasts with the background there.
 void drawText(Image& image, const DVec2& at_px, const std::string& text);
 
-/// Draws one line on a plate that fits into the picture, its middle at `at_px` as far as possible.
-void drawLabel(Image& image, const DVec2& at_px, const std::string& text);
+/// Draws one line that fits into the picture, its middle at `at_px` as far as possible; `plate`: on a plate.
+void drawLabel(Image& image, const DVec2& at_px, const std::string& text, bool plate = true);
 
 }  // namespace palpate

@@ -90,14 +90,13 @@ void addContainer(std::vector<SpaceLine>& lines, const Model& model) {
         lines.push_back({.from = corner(from), .to = corner(from | axis), .color = kContainerColor});
 }
 
-std::shared_ptr<const std::vector<SpaceLine>> modelLines(const Model& model, bool cameras) {
-  auto lines = std::make_shared<std::vector<SpaceLine>>();
-  addContainer(*lines, model);
+std::vector<SpaceLine> modelLines(const Model& model, bool cameras) {
+  std::vector<SpaceLine> lines;
+  addContainer(lines, model);
   if (cameras && !model.cameras.empty()) {
     const double length = frustumLength(model);
-    for (const CameraFrustum& camera : model.cameras) addFrustum(*lines, camera, model.cloud.origin, length);
+    for (const CameraFrustum& camera : model.cameras) addFrustum(lines, camera, model.cloud.origin, length);
   }
-  if (lines->empty()) return nullptr;
   return lines;
 }
 

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -30,7 +29,7 @@ PointCloud placesWithLines(const Model& model, bool cameras);
 /// Adds the edges of the box that holds the points and their discs, if there is one.
 void addContainer(std::vector<SpaceLine>& lines, const Model& model);
 
-/// The box, and on request all cameras of the model; null if there are none.
-std::shared_ptr<const std::vector<SpaceLine>> modelLines(const Model& model, bool cameras);
+/// The box, and on request all cameras of the model.
+std::vector<SpaceLine> modelLines(const Model& model, bool cameras);
 
 }  // namespace palpate

@@ -80,7 +80,7 @@ void annotate(Image& image, const Annotations& annotations) {
   if (!annotations.scale.empty())
     drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), annotations.scale);
   if (annotations.legend) drawLegend(image, *annotations.legend);
-  if (!annotations.measured.empty()) drawLabel(image, annotations.measured_px, annotations.measured);
+  for (const PictureLabel& label : annotations.labels) drawLabel(image, label.at_px, label.text, label.plate);
 }
 
 void addPictureOptions(Options& command, PictureOptions& options) {
@@ -96,6 +96,7 @@ void addPictureOptions(Options& command, PictureOptions& options) {
       .showDefault();
   addSettings(command, options.color, {});
   addSettings(command, options.light, {});
+  addGuidesOption(command, options.guides);
   command.add("--pass", options.pass, "image to write: final, depth, smooth-depth, normal, color or position")
       .showDefault();
   command
@@ -122,6 +123,12 @@ void addPictureOptions(Options& command, PictureOptions& options) {
                   "list the GPU passes of the frame with threads, bytes and GPU time, us");
 }
 
+void addGuidesOption(Options& command, std::string& guides) {
+  command.add("--guides", guides,
+              "any of box,axes,grid,compass: the model's box with its lengths, its axes with coordinates, squares of a "
+              "round length on the ground, the directions of the axes");
+}
+
 void addSamplesOption(Options& command, std::uint32_t& samples) {
   command.add("--samples", samples, "samples per pixel: 4 (antialiased) or 1 (faster)")
       .check(oneOf({1u, 4u}))
@@ -133,6 +140,7 @@ void checkPictureOptions(const PictureOptions& options, const std::string& file)
   Frame::checkSize(size.width, size.height);
   validate(options.color);
   frameOptions(options, Model{});
+  guidesNamed(options.guides, "--guides");
   Camera::parse(options.camera, PointCloud{}, 1);
   checkOutput(options.depthFile, Output::only);
   if (options.background != kTransparent || file.empty()) return;
@@ -156,15 +164,28 @@ void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {
 namespace {
 
 // The camera of each file: as requested, or around the model, with the same framing for all.
-std::vector<Camera> camerasFor(const PictureFiles& files, const PictureOptions& options, const Model& model, UpAxis up,
-                               double aspect) {
+std::vector<Camera> camerasFor(const PictureFiles& files, const PictureOptions& options, const Model& model,
+                               const PictureGuides& guides, UpAxis up, double aspect) {
   Framing framing = framingOf(model, up);
   // With lines beside the points, the picture shows all their positions.
-  const bool showsLines = !model.cloud.empty() && (model.container() || (options.cameras && !model.cameras.empty()));
+  const bool showsLines = !model.cloud.empty() && (model.container() || (options.cameras && !model.cameras.empty()) ||
+                                                   !guides.still().labels.empty());
   if (showsLines) framing.shown.reset();
-  const PointCloud beside = showsLines ? placesWithLines(model, options.cameras) : PointCloud();
+  PointCloud beside = showsLines ? placesWithLines(model, options.cameras) : PointCloud();
+  for (const SpaceLabel& label : guides.still().labels) beside.positions.emplace_back(label.at);
+  for (const SpaceLine& line : guides.still().lines) beside.positions.emplace_back(line.to);
   const PointCloud& shown = showsLines ? beside : model.cloud;
   if (files.each.size() == 1) return {Camera::parse(options.camera, shown, aspect, framing)};
+  if (!options.way.empty()) {
+    std::vector<Camera> through, cameras;
+    for (const CameraRequest& request : options.way) through.push_back(Camera::asked(request, shown, aspect, framing));
+    const double step = static_cast<double>(through.size() - 1) / static_cast<double>(files.each.size() - 1);
+    for (std::size_t k = 0; k < files.each.size(); ++k) {
+      cameras.push_back(alongCameras(through, static_cast<double>(k) * step));
+      cameras.back().setDepthRange(boundsOf(shown), through.front().farDepth - through.front().nearDepth);
+    }
+    return cameras;
+  }
   const DVec3 middle = framing.shown.value_or(boundsOf(shown)).center();
   const PointCloud outline = revolved(shown, framing);
   framing.shown.reset();
@@ -189,18 +210,19 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
   FrameOptions frameOf = frameOptions(options, model, device.isCpu(), field);
   frameOf.overlays = overlays;
-  frameOf.lines = modelLines(model, options.cameras);
+  const Upright upright = uprightOf(model, options.look);
+  const LengthUnit unit = unitOf(model.cloud, options.look);
+  const PictureGuides guides(guidesNamed(options.guides, "--guides"), model, upright.up, unit);
+  const std::vector<SpaceLine> lines = modelLines(model, options.cameras);
   const std::string& name = files.name;
   if (options.cameras && model.cameras.empty())
     context.log().say("{}: no cameras are drawn: the model has no camera poses", name);
   Frame frame(device, size.width, size.height, options.samples > 1 ? 2 : 1);
-  const Upright upright = uprightOf(model, options.look);
-  const LengthUnit unit = unitOf(model.cloud, options.look);
   if (model.cloud.empty())
     context.log().say("{}: the model has no points, and the picture is empty", name);
   else if (!upNamed(options.look.up))
     context.log().say("{}: up is {}: {}", name, nameOf(upright.up), upright.why);
-  const std::vector<Camera> cameras = camerasFor(files, options, model, upright.up, aspect);
+  const std::vector<Camera> cameras = camerasFor(files, options, model, guides, upright.up, aspect);
   Annotations annotations;
   if (options.scaleBar) annotations.scale = lengthText(scaleBarLength(cameras.front(), size), unit);
   if (options.scaleBar) context.log().say("{}: the scale bar is {} long", name, annotations.scale);
@@ -212,6 +234,9 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
                    options.printFrame ? CommandList::Timing::passes : CommandList::Timing::none);
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     if (options.scaleBar) frameOf.overlays.scale = scaleBar(cameras[k], size);
+    const UVec2 size_px(size.width, size.height);
+    frameOf.lines = guides.linesWith(lines, cameras[k], size_px);
+    annotations.labels = guides.labelsIn(cameras[k], size_px);
     list.begin();
     frame.record(list, drawn, cameras[k], frameOf);
     list.end();

@@ -2,9 +2,10 @@
 #pragma once
 
 #include "apps/cli/look.hpp"
-#include "apps/cli/turntable.hpp"
+#include "apps/cli/picture_series.hpp"
 #include "engine/render/frame.hpp"
 #include "haptics/session/colored_field.hpp"
+#include "haptics/session/guides.hpp"
 #include "haptics/session/light_config.hpp"
 
 namespace palpate {
@@ -13,8 +14,10 @@ struct PictureOptions {
   LookOptions look;
   ColorConfig color;
   LightConfig light;
+  std::string guides;  ///< guidesNamed()
   std::string size = "1280x720", camera, splatRadius = "auto", pass = "final", background, depthFile,
               raster = "compute";
+  std::vector<CameraRequest> way;  ///< of a series: its cameras are on a smooth way through these; empty: a turntable
   std::uint32_t smooth_px = 0, samples = 4;
   bool printFrame = false, scaleBar = false, everyPoint = false;
   bool cameras = false;  ///< draws the cameras that took pictures of the model
@@ -34,10 +37,12 @@ Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size);
 struct Annotations {
   std::string scale;  ///< length of scaleBar(), above it; empty: there is no bar
   std::optional<Legend> legend;
-  std::string measured;  ///< at `measured_px`; empty: nothing is
-  DVec2 measured_px{0};  ///< pixels from the top left
+  std::vector<PictureLabel> labels;
 };
 void annotate(Image& image, const Annotations& annotations);
+
+/// --guides: guidesNamed().
+void addGuidesOption(Options& command, std::string& guides);
 
 /// --samples: 1 or 4.
 void addSamplesOption(Options& command, std::uint32_t& samples);

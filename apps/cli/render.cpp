@@ -5,6 +5,7 @@
 #include "apps/cli/stream_options.hpp"
 #include "engine/core/counted.hpp"
 #include "haptics/session/simulation.hpp"
+#include "haptics/text_lines.hpp"
 
 namespace palpate {
 
@@ -17,14 +18,46 @@ struct RenderOptions {
   PictureOptions picture;
   MeshChoices mesh;
   std::string output, mode = "splat";
-  std::uint32_t turntable = 0;  ///< pictures; 0: one from the camera
+  std::uint32_t turntable = 0, frames = 0;  ///< pictures of a turntable, or along cameraPath; 0: none, or kFrames
+  std::string cameraPath;                   ///< a file; empty: none
 };
+
+constexpr std::uint32_t kFrames = 240;
+
+std::vector<CameraRequest> camerasIn(const std::string& file) {
+  TextLines lines(file);
+  std::vector<CameraRequest> cameras;
+  while (const auto line = lines.next()) {
+    try {
+      cameras.push_back(CameraRequest::parse(*line));
+    } catch (const UsageError& error) {
+      lines.fail(error.what());
+    }
+    const auto isFlat = [](const CameraRequest& camera) { return camera.ortho || camera.isometric; };
+    if (isFlat(cameras.front()) != isFlat(cameras.back()))
+      lines.fail("this camera is orthographic and the first is not, or the other way round");
+  }
+  if (cameras.size() < 2) throw FileError(file, "has fewer than two cameras; a way needs a camera in each line");
+  return cameras;
+}
+
+/// Number of pictures of a series; 0: one picture.
+std::uint32_t picturesOf(const RenderOptions& options) {
+  if (options.cameraPath.empty()) return options.turntable;
+  return options.frames > 0 ? options.frames : kFrames;
+}
 
 void checkRenderOptions(const Context& context, const RenderOptions& options) {
   checkPictureOptions(options.picture, options.output);
-  if (options.turntable > 0) {
-    if (!options.picture.depthFile.empty()) throw UsageError("--depth: is of one picture; leave out --turntable");
-    checkTurntable(context, options.output, options.turntable);
+  const auto refuseBoth = [](const char* one, const char* other) { throw UsageError("{}: leave out {}", one, other); };
+  if (options.frames > 0 && options.cameraPath.empty())
+    throw UsageError("--frames: is the number of pictures along a --camera-path");
+  if (!options.cameraPath.empty() && options.turntable > 0) refuseBoth("--camera-path", "--turntable");
+  if (!options.cameraPath.empty() && !options.picture.camera.empty()) refuseBoth("--camera-path", "--camera");
+  if (picturesOf(options) > 0) {
+    if (!options.picture.depthFile.empty())
+      throw UsageError("--depth: is of one picture; leave out --turntable and --camera-path");
+    checkSeries(context, options.output, picturesOf(options));
   } else {
     checkOutput(options.output, Output::picture);
   }
@@ -40,15 +73,16 @@ void drawMesh(Context& context, Model& model, const RenderOptions& options, cons
   takePicture(context, model, drawnMesh(cubes, model), field ? &*field : nullptr, options.picture, {}, files);
 }
 
-void render(Context& context, const RenderOptions& options) {
+void render(Context& context, RenderOptions& options) {
   checkRenderOptions(context, options);
+  if (!options.cameraPath.empty()) options.picture.way = camerasIn(options.cameraPath);
   const ModelConfig chosen = chosenModel(options.model, options.stream, options.join, context.log());
   validate(SessionConfig{.model = chosen, .realtime = chosen.stream && chosen.stream->live});
   Model model = loadModel(context, chosen, EstimateOn::gpu, &options.join.network);
   if (model.cloud.empty()) throw FileError(chosen.file, "contains no points; there is nothing to draw");
-  std::optional<Turntable> turntable;
-  if (options.turntable > 0) turntable.emplace(options.output, options.turntable);
-  const PictureFiles files = turntable ? turntable->files() : PictureFiles{options.output, {options.output}};
+  std::optional<PictureSeries> series;
+  if (picturesOf(options) > 0) series.emplace(options.output, picturesOf(options));
+  const PictureFiles files = series ? series->files() : PictureFiles{options.output, {options.output}};
   if (options.mode == "mesh") {
     drawMesh(context, model, options, files);
   } else {
@@ -57,7 +91,7 @@ void render(Context& context, const RenderOptions& options) {
     picture.points = options.mode == "points";
     takePicture(context, model, {.cloud = model.cloud, .states = {}}, drawn, picture, {}, files);
   }
-  if (turntable) turntable->finish();
+  if (series) series->finish();
   context.log().say("{}: {}{} of {}", options.output, options.mode == "mesh" ? "mesh through " : "",
                     counted(model.cloud.size(), "point"), chosen.file);
   context.writeJson({{"file", options.output}, {"points", model.cloud.size()}, {"gpu", context.device().name()}});
@@ -77,6 +111,12 @@ void addRender(Options& app, Context& context, Command& command) {
           "draw this many pictures from all around, and number the files: -o turn-%03d.png, or a film: -o turn.mp4 (by "
           "ffmpeg, 30 pictures a second); replaces nothing without --force")
       .check(inRange(2, 3600));
+  sub.add("--camera-path", options->cameraPath,
+          "draw pictures along a smooth way through the cameras of a file, each a line as for --camera; -o as for "
+          "--turntable")
+      .typeName("FILE.txt");
+  sub.add("--frames", options->frames, fmt::format("number of pictures along --camera-path (default: {})", kFrames))
+      .check(inRange(2, 36'000));
   sub.add("--mode", options->mode,
           "splat: a disc per point; points: a sample per point; mesh: the triangles of palpate mesh")
       .check(oneOf({"splat", "points", "mesh"}))

@@ -91,10 +91,8 @@ Image ShownModel::picture(WindowSession& session, Camera camera, const ViewSetti
   const LengthUnit unit = view.unitOf(session.model());
   Annotations annotations{.legend = legend(session, view)};
   if (view.scaleBar) annotations.scale = lengthText(scaleBarLength(camera, size), unit);
-  if (const auto at = measure.middle_px(camera, size_px)) {
-    annotations.measured = lengthText(*measure.distance(), unit);
-    annotations.measured_px = *at;
-  }
+  if (const auto at = measure.middle_px(camera, size_px))
+    annotations.labels.push_back({*at, lengthText(*measure.distance(), unit)});
   annotate(image, annotations);
   return image;
 }

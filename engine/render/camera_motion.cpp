@@ -1,9 +1,13 @@
 #include "engine/render/camera_motion.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/trigonometric.hpp>
 #include <numbers>
+
+#include "engine/core/check.hpp"
 
 namespace palpate {
 
@@ -15,6 +19,18 @@ constexpr double kSteepest = 0.995;  // cosine between the view and up: beyond i
 DVec3 turned(const DVec3& v, const DVec3& axis, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   return c * v + s * glm::cross(axis, v) + (1 - c) * glm::dot(axis, v) * axis;
+}
+
+// Uniform spline through four values, from the second at 0 to the third at 1 (Catmull and Rom 1974).
+template <class T>
+T spline(const std::array<T, 4>& v, double t) {
+  return 0.5 * (2.0 * v[1] + t * (v[2] - v[0]) + t * t * (2.0 * v[0] - 5.0 * v[1] + 4.0 * v[2] - v[3]) +
+                t * t * t * (3.0 * v[1] - v[0] - 3.0 * v[2] + v[3]));
+}
+
+DQuat directionOf(const Camera& camera) {
+  const Camera::Axes axes = camera.axes();
+  return glm::quat_cast(glm::dmat3(axes.right, axes.up, -axes.forward));
 }
 
 }  // namespace
@@ -74,6 +90,35 @@ Camera projecting(const Camera& camera, bool orthographic) {
     result.eye = camera.target - camera.height / perDistance * camera.axes().forward;
   }
   return result;
+}
+
+Camera alongCameras(std::span<const Camera> cameras, double at) {
+  PALPATE_CHECK(!cameras.empty());
+  const auto last = static_cast<std::ptrdiff_t>(cameras.size()) - 1;
+  const std::ptrdiff_t leg =
+      std::clamp(static_cast<std::ptrdiff_t>(std::floor(at)), std::ptrdiff_t{0}, std::max(last - 1, std::ptrdiff_t{0}));
+  const double t = std::clamp(at - static_cast<double>(leg), 0.0, 1.0);
+  std::array<DVec3, 4> targets;
+  std::array<DQuat, 4> directions;
+  std::array<double, 4> distances{}, heights{}, fields{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Camera& each = cameras[static_cast<std::size_t>(
+        std::clamp(leg + static_cast<std::ptrdiff_t>(k) - 1, std::ptrdiff_t{0}, last))];
+    targets[k] = each.target;
+    directions[k] = directionOf(each);
+    if (k > 0 && glm::dot(directions[k - 1], directions[k]) < 0) directions[k] = -directions[k];
+    distances[k] = std::log(glm::distance(each.eye, each.target));
+    heights[k] = each.isOrthographic() ? std::log(each.height) : 0;
+    fields[k] = each.fov_deg;
+  }
+  const glm::dmat3 axes = glm::mat3_cast(glm::normalize(spline(directions, t)));
+  Camera camera = cameras.front();
+  camera.target = spline(targets, t);
+  camera.eye = camera.target + std::exp(spline(distances, t)) * axes[2];
+  camera.up = axes[1];
+  camera.fov_deg = spline(fields, t);
+  if (camera.isOrthographic()) camera.height = std::exp(spline(heights, t));
+  return camera;
 }
 
 Camera recentred(const Camera& camera, const DVec3& point) {

@@ -2,6 +2,8 @@
 // the top left corner; positions in space as in Camera.
 #pragma once
 
+#include <span>
+
 #include "engine/render/camera.hpp"
 
 namespace palpate {
@@ -26,6 +28,11 @@ Camera recentred(const Camera& camera, const DVec3& point);
 /// Looks at the target along `axis` (0, 1, 2: x, y, z) from its positive side if `fromAbove`, else from its negative
 /// side, at the same distance. `up` is upwards in the picture; from above, `front` is at the bottom.
 Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up, const DVec3& front);
+
+/// On a smooth way through these cameras: number k at `at` == k, between the first and the last. The target and the
+/// logarithm of the distance follow a spline (Catmull and Rom 1974), and so do the quaternions of the direction: a
+/// camera goes around what it looks at. All of them are orthographic, or none is; the depth range is the first one's.
+Camera alongCameras(std::span<const Camera> cameras, double at);
 
 /// Sides from which a model is viewed: right is to the right of a viewer in front of it.
 enum class ModelSide : std::uint8_t { front, back, left, right, top, bottom, iso };

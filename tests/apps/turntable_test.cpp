@@ -220,4 +220,43 @@ TEST_CASE("views are remembered by name for their model, shown again, and forgot
   CHECK(camera("again.json") != camera("first.json"));
 }
 
+TEST_CASE("pictures along a way begin and end with its cameras, and a wrong line is named") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "ball.ply").string(), way = (folder / "way.txt").string();
+  works("--quiet make bumpy-sphere -n 4000 --size 2 -o " + model);
+  const std::array<std::string, 2> cameras{"eye=0,0,5 target=0,0,0 up=0,1,0 fov=40",
+                                           "eye=4,1,0 target=0,0,0 up=0,1,0 fov=40"};
+  std::ofstream(way) << "# from the front to the side\n" << cameras[0] << "\n\n" << cameras[1] << '\n';
+  const std::string size = " --size 96x72 --guides compass,box";
+  works("--quiet render " + model + " -o " + (folder / "w-%02d.png").string() + " --frames 5 --camera-path " + way +
+        size);
+  CHECK_FALSE(std::filesystem::exists(folder / "w-05.png"));
+  const auto differ = [&](const std::string& a, const std::string& b) {
+    const Picture one(folder / a), other(folder / b);
+    int worst = 0;
+    for (std::size_t i = 0; i < one.rgb.size(); ++i) worst += std::abs(int{one.rgb[i]} - int{other.rgb[i]}) > 8;
+    return worst;
+  };
+  for (const std::size_t end : {0U, 1U}) {
+    const std::string alone = fmt::format("alone-{}.png", end);
+    works("--quiet render " + model + " -o " + (folder / alone).string() + " --camera '" + cameras[end] + "'" + size);
+    CHECK(differ(alone, end == 0 ? "w-00.png" : "w-04.png") < 40);
+  }
+  CHECK(differ("w-00.png", "w-02.png") > 300);
+  works("--quiet render " + model + " -o " + (folder / "bare.png").string() + " --size 96x72 --camera '" + cameras[0] +
+        "'");
+  CHECK(differ("w-00.png", "bare.png") > 60);
+
+  const std::string begin = "render " + model + " -o " + (folder / "x-%d.png").string() + " --camera-path ";
+  std::ofstream(folder / "wrong.txt") << cameras[0] << "\neye=1,2\n";
+  checkEnds(1, begin + (folder / "wrong.txt").string(), {"wrong.txt:2: ", "'eye=1,2' needs three numbers"});
+  std::ofstream(folder / "mixed.txt") << cameras[0] << "\northo=3\n";
+  checkEnds(1, begin + (folder / "mixed.txt").string(), {"mixed.txt:2: ", "orthographic"});
+  std::ofstream(folder / "one.txt") << cameras[0] << '\n';
+  checkEnds(1, begin + (folder / "one.txt").string(), {"fewer than two cameras"});
+  checkEnds(2, begin + way + " --turntable 5", {"--camera-path: leave out --turntable"});
+  checkEnds(2, begin + way + " --camera eye=1,2,3", {"--camera-path: leave out --camera"});
+  checkEnds(2, "render " + model + " -o " + (folder / "x.png").string() + " --frames 5", {"--camera-path"});
+}
+
 }  // namespace palpate::turntable_test

@@ -141,4 +141,35 @@ TEST_CASE("an orthographic view is moved like one in perspective, and both show 
   CHECK(zoomed(camera, point, 1e-9, 0.1, 100).height == near(0.1, 1e-12));
 }
 
+TEST_CASE("a way passes through its cameras, and goes around what opposite ones look at") {
+  const Camera front{.eye = {1, 2, 13}, .target = {1, 2, 3}}, back{.eye = {1, 2, -7}, .target = {1, 2, 3}},
+      above{.eye = {1, 42, 3}, .target = {1, 2, 3}, .up = {0, 0, -1}, .fov_deg = 30};
+  const std::array<Camera, 3> cameras{front, back, above};
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    const Camera at = alongCameras(cameras, static_cast<double>(k));
+    CHECK(glm::distance(at.eye, cameras[k].eye) < 1e-9);
+    CHECK(glm::distance(at.target, cameras[k].target) < 1e-12);
+    CHECK(glm::distance(at.axes().up, cameras[k].axes().up) < 1e-9);
+    CHECK(at.fov_deg == near(cameras[k].fov_deg, 1e-12));
+  }
+  double longest = 0;
+  DVec3 before = front.eye;
+  for (double at = 0; at <= 2; at += 0.01) {
+    const Camera camera = alongCameras(cameras, at);
+    const double distance = glm::distance(camera.eye, camera.target);
+    CHECK(distance > 8);
+    CHECK(distance < 42);
+    CHECK(glm::length(camera.up) == near(1, 1e-9));
+    longest = std::max(longest, glm::distance(camera.eye, before));
+    before = camera.eye;
+  }
+  CHECK(longest < 1.5);  // a hundredth of a leg: it does not jump
+  CHECK(alongCameras(cameras, -1).eye == alongCameras(cameras, 0).eye);
+  CHECK(alongCameras(cameras, 7).eye == alongCameras(cameras, 2).eye);
+  CHECK(glm::distance(alongCameras(std::span(&front, 1), 0.5).eye, front.eye) < 1e-9);
+  Camera flat = front, flatter = front;
+  flat.height = 1, flatter.height = 4;
+  CHECK(alongCameras(std::array{flat, flatter}, 0.5).height == near(2, 1e-9));
+}
+
 }  // namespace palpate::camera_motion_test

@@ -1,4 +1,4 @@
-#include "apps/cli/turntable.hpp"
+#include "apps/cli/picture_series.hpp"
 
 #include <algorithm>
 #include <array>
@@ -33,8 +33,7 @@ std::optional<NumberFormat> numberFormatIn(const std::string& pattern) {
 std::string numbered(const std::string& pattern, std::uint32_t number) {
   const auto format = numberFormatIn(pattern);
   if (!format)
-    throw UsageError("--turntable: '{}' needs a number for each picture, as in turn-%03d.png, or the ending .mp4",
-                     pattern);
+    throw UsageError("-o: '{}' needs a number for each picture, as in turn-%03d.png, or the ending .mp4", pattern);
   const std::string digits = pattern.substr(format->at + 1, format->length - 2);
   const int width = digits.empty() ? 1 : std::stoi(digits);
   return pattern.substr(0, format->at) + fmt::format("{:0{}}", number, width) +
@@ -60,7 +59,7 @@ bool isFilm(const std::string& output) {
   return ending == ".mp4";
 }
 
-void checkTurntable(const Context& context, const std::string& output, std::uint32_t count) {
+void checkSeries(const Context& context, const std::string& output, std::uint32_t count) {
   const auto checkNew = [&](const std::string& file) {
     std::error_code ignored;
     if (!context.isForced() && std::filesystem::is_regular_file(file, ignored))
@@ -77,7 +76,7 @@ void checkTurntable(const Context& context, const std::string& output, std::uint
                 std::filesystem::path(output).stem().string() + "-%03d.png");
 }
 
-Turntable::Turntable(std::string output, std::uint32_t count) {
+PictureSeries::PictureSeries(std::string output, std::uint32_t count) {
   files_.name = std::move(output);
   std::string pattern = files_.name;
   if (isFilm(files_.name)) {
@@ -91,12 +90,12 @@ Turntable::Turntable(std::string output, std::uint32_t count) {
     files_.each.push_back(folder_.empty() ? numbered(pattern, k) : (folder_ / numbered(pattern, k)).string());
 }
 
-Turntable::~Turntable() {
+PictureSeries::~PictureSeries() {
   std::error_code ignored;
   if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
 }
 
-void Turntable::finish() const {
+void PictureSeries::finish() const {
   if (folder_.empty()) return;
   const std::filesystem::path film = folder_ / "film.mp4";
   // Players require an even width and height, and colours at half resolution.

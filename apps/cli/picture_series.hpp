@@ -1,4 +1,4 @@
-// Turntables: pictures of a model from all sides, as a series of files or as a film.
+// Pictures of a model through moving cameras, as a series of files or as a film.
 #pragma once
 
 #include <cstdint>
@@ -12,26 +12,26 @@
 
 namespace palpate {
 
-/// Files that one command draws pictures into: views from all sides if there are several.
+/// Files that one command draws pictures into: a series if there are several.
 struct PictureFiles {
   std::string name;  ///< as the user gave it
   std::vector<std::string> each;
 };
 
-/// Whether pictures of a turntable are joined to a film: .mp4.
+/// Whether the pictures of a series are joined to a film: .mp4.
 bool isFilm(const std::string& output);
 
-/// Checks the output of a turntable before any work: a film, which requires ffmpeg, or a name with a number, as in
+/// Checks the output of a series before any work: a film, which requires ffmpeg, or a name with a number, as in
 /// turn-%03d.png. Throws UsageError, and Error if ffmpeg is missing or a file exists and --force is not given.
-void checkTurntable(const Context& context, const std::string& output, std::uint32_t count);
+void checkSeries(const Context& context, const std::string& output, std::uint32_t count);
 
-/// The files of a turntable of `count` pictures. For a film they are in a folder beside it, which is removed with this.
-class Turntable {
+/// The files of a series of `count` pictures. For a film they are in a folder beside it, which is removed with this.
+class PictureSeries {
  public:
-  Turntable(std::string output, std::uint32_t count);
-  ~Turntable();
-  Turntable(const Turntable&) = delete;
-  Turntable& operator=(const Turntable&) = delete;
+  PictureSeries(std::string output, std::uint32_t count);
+  ~PictureSeries();
+  PictureSeries(const PictureSeries&) = delete;
+  PictureSeries& operator=(const PictureSeries&) = delete;
 
   const PictureFiles& files() const { return files_; }
   /// Joins the pictures to the film, if it is one; it appears under its name when it is complete. Throws Error.
