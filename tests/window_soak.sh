@@ -50,7 +50,7 @@ every=$(((cycles + 49) / 50))  # cycles between memory samples, always with the 
     fi
     t=$((t + 10))
     if ((i % 10 == 3)); then
-      at 'mouse 360 120' && t=$((t + 20))
+      at 'mouse 119 120' && t=$((t + 20))
       at "key $((2 + i / 10 % 6))"
       at 'key space down' && t=$((t + 10))
       at 'button left down' && t=$((t + 60))

@@ -155,6 +155,8 @@ struct ChooseDevice {
 struct SetDeviceAxes {
   std::string text;
 };
+/// Opens a made model, and chooses the tool for it: feel, the brush carve, or the measure.
+enum class TryExample { press, carve, measure };
 /// Copies a text to the clipboard.
 struct CopyText {
   std::string text;
@@ -164,7 +166,7 @@ using ViewCommand =
     std::variant<WindowCommand, ModelCommand, StylusCommand, BrushCommand, SelectCommand, Answer, FileCommand,
                  BrowseCommand, ModelSide, LookAlong, NamedViewCommand, SetParameter, SetValue, SelectVolume, SetVolume,
                  FlipPlane, MirrorAtPlane, MoveSelection, KeepSelection, SelectWhere, CleanModel, SetColorRange,
-                 SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, CopyText>;
+                 SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, TryExample, CopyText>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

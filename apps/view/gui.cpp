@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "apps/cli/font.hpp"
+#include "apps/view/theme.hpp"
 #include "engine/core/characters.hpp"
 
 namespace palpate {
@@ -43,6 +44,20 @@ constexpr std::array<std::pair<ImGuiKey, int>, 22> kKeys{{{ImGuiKey_Tab, GLFW_KE
 
 constexpr unsigned kFirstLatin = 0x20, kLastLatin = 0xff;
 
+// The colours that ImGui has names for.
+const std::vector<std::pair<Tone, std::vector<ImGuiCol>>> kStyle{
+    {Tone::text, {ImGuiCol_Text}},
+    {Tone::faint, {ImGuiCol_TextDisabled}},
+    {Tone::panel, {ImGuiCol_WindowBg, ImGuiCol_PopupBg}},
+    {Tone::field, {ImGuiCol_FrameBg}},
+    {Tone::fieldHovered, {ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive}},
+    {Tone::button, {ImGuiCol_Button}},
+    {Tone::buttonHovered, {ImGuiCol_ButtonHovered}},
+    {Tone::chosen, {ImGuiCol_ButtonActive, ImGuiCol_TextSelectedBg, ImGuiCol_PlotHistogram}},
+    {Tone::header, {ImGuiCol_Header, ImGuiCol_TitleBg, ImGuiCol_TitleBgActive, ImGuiCol_TitleBgCollapsed}},
+    {Tone::headerHovered, {ImGuiCol_HeaderHovered, ImGuiCol_HeaderActive}},
+    {Tone::accent, {ImGuiCol_CheckMark, ImGuiCol_SliderGrab, ImGuiCol_PlotLines}}};
+
 // Whether the topmost popup is a list or another one that a click beside it closes, and not a modal question.
 bool hasList() {
   const auto& open = ImGui::GetCurrentContext()->OpenPopupStack;
@@ -51,7 +66,7 @@ bool hasList() {
 
 }  // namespace
 
-Gui::Gui(Window& window) : window_(window), scale_(window.scale()) {
+Gui::Gui(Window& window) : window_(window) {
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // panel positions are fixed
@@ -66,8 +81,7 @@ Gui::Gui(Window& window) : window_(window), scale_(window.scale()) {
   };
   // Glyphs are aligned to pixels and lines are drawn as triangles, so that the texture needs no interpolation.
   io.Fonts->Flags |= ImFontAtlasFlags_NoBakedLines;
-  makeFont();
-  setDark(true);
+  applyLook();
 }
 
 Gui::~Gui() { ImGui::DestroyContext(); }
@@ -98,18 +112,26 @@ void Gui::noteLetters(std::string_view text) {
     if (letter > kLastLatin && letter <= kLast) lacksLetters_ |= letters_.insert(static_cast<unsigned>(letter)).second;
 }
 
-void Gui::setDark(bool dark) {
+void Gui::setLook(bool dark, int text_percent) {
+  dark_ = dark;
+  text_percent_ = text_percent;
+}
+
+void Gui::applyLook() {
+  const double scale = window_.scale() * text_percent_ / 100;
+  if (scale != std::exchange(scale_, scale) || !texture_ || lacksLetters_) makeFont();
   ImGuiStyle& style = ImGui::GetStyle();
   style = ImGuiStyle();
-  dark ? ImGui::StyleColorsDark() : ImGui::StyleColorsLight();
+  dark_ ? ImGui::StyleColorsDark() : ImGui::StyleColorsLight();
+  for (const auto& [tone, colors] : kStyle)
+    for (const ImGuiCol color : colors) style.Colors[color] = ImGui::ColorConvertU32ToFloat4(inkOf(tone, dark_));
   style.WindowRounding = 6;
   style.FrameRounding = style.GrabRounding = style.PopupRounding = 4;
-  style.WindowBorderSize = 0;
-  // White boxes on a white panel are visible by their borders only.
-  style.FrameBorderSize = dark ? 0 : 1;
+  // White boxes on a white panel, and that on a white background, are visible by their borders only.
+  style.FrameBorderSize = style.WindowBorderSize = dark_ ? 0 : 1;
   style.FramePadding = {6, 3};
   style.ItemSpacing = {6, 5};
-  style.Colors[ImGuiCol_WindowBg].w = 0.88f;
+  style.DisabledAlpha = kDisabledOpacity;
   style.ScaleAllSizes(static_cast<float>(scale_));
 }
 
@@ -139,7 +161,7 @@ bool Gui::feed(const WindowEvent& event) {
 }
 
 void Gui::begin(const UVec2& size_px, double dt_s) {
-  if (lacksLetters_) makeFont();
+  applyLook();
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = {static_cast<float>(size_px.x), static_cast<float>(size_px.y)};
   io.DeltaTime = static_cast<float>(std::max(dt_s, 1e-4));

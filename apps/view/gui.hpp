@@ -13,7 +13,7 @@ namespace palpate {
 /// Dear ImGui without a window or GPU of its own: receives the window's events and returns the panels' triangles.
 class Gui {
  public:
-  /// Panels are laid out at the window's scale (Window::scale()).
+  /// Panels are laid out at the window's scale (Window::scale()), also when that changes, times the size of text.
   explicit Gui(Window& window);
   ~Gui();
   Gui(const Gui&) = delete;
@@ -39,14 +39,19 @@ class Gui {
   /// Whether a value is being dragged or typed.
   bool isBusy() const;
   double scale() const { return scale_; }
-  void setDark(bool dark);
+  bool isDark() const { return dark_; }
+  /// Theme and size of text from the next frame on.
+  void setLook(bool dark, int text_percent);
 
  private:
   void gather();
   void makeFont();
+  void applyLook();
 
   Window& window_;
-  double scale_;
+  double scale_ = 0;
+  bool dark_ = true;
+  int text_percent_ = 100;
   std::uint8_t* texture_ = nullptr;
   UVec2 texture_px_{0};
   std::uint64_t fontVersion_ = 0;

@@ -49,6 +49,28 @@ Set resizes(bool isBrush, double factor) {
   };
 }
 
+// To the next size of the table, larger or smaller; 0: back to the usual one.
+Set resizesText(int steps) {
+  return [steps](WindowSettings& settings) {
+    int& size = settings.view.text_percent;
+    const auto now =
+        std::ranges::find(kTextSizes, size, &std::pair<std::string_view, int>::second) - kTextSizes.begin();
+    const auto next = std::clamp<std::ptrdiff_t>(now + steps, 0, std::ssize(kTextSizes) - 1);
+    size = steps == 0 ? 100 : kTextSizes[static_cast<std::size_t>(next)].second;
+  };
+}
+
+// Each opens its section of the panel, and closes the others.
+std::vector<KeyBinding> sections() {
+  std::vector<KeyBinding> bindings;
+  for (std::size_t k = 0; k < kSections.size(); ++k)
+    bindings.push_back({GLFW_KEY_F2 + static_cast<int>(k), kWithout, kEither, {Set([k](WindowSettings& settings) {
+                          settings.view.panels = true;
+                          settings.view.opens = kSections[k];
+                        })}});
+  return bindings;
+}
+
 std::vector<KeyBinding> numbered(bool isControl, std::size_t count,
                                  const std::function<KeyAction(std::size_t)>& action) {
   std::vector<KeyBinding> bindings;
@@ -112,12 +134,14 @@ std::vector<KeyRow> make() {
        {plain(GLFW_KEY_V, {switchesTo(WindowTool::look)})}},
       {select,
        "R;  L;  P",
-       "select by a rectangle;  a lasso;  a polygon",
+       "select by a rectangle;  by a lasso;  by a polygon",
        {plain(GLFW_KEY_R, {chooses(SelectShape::rectangle)}), plain(GLFW_KEY_L, {chooses(SelectShape::lasso)}),
         plain(GLFW_KEY_P, {chooses(SelectShape::polygon)})}},
       {select,
        "B;  O;  E",
-       "by a brush, a ball on the surface;  flood: connected and alike;  everything alike: same class or colour",
+       "select by a brush, a ball on the surface;  flood: what is connected and alike;  everything alike: same class "
+       "or "
+       "colour",
        {plain(GLFW_KEY_B, {chooses(SelectShape::brush)}), plain(GLFW_KEY_O, {chooses(SelectShape::flood)}),
         plain(GLFW_KEY_E, {chooses(SelectShape::same)})}},
       {select,
@@ -126,7 +150,7 @@ std::vector<KeyRow> make() {
        {plain(GLFW_KEY_A, {chooses(SelectShape::label)})}},
       {select,
        "W;  Shift+W;  D",
-       "by a box;  a ball;  the side of a plane: click the model, drag the handles, then Enter",
+       "select by a box;  by a ball;  by the side of a plane: click the model, drag the handles, then Enter",
        {{GLFW_KEY_W, kWithout, kWithout, {chooses(SelectShape::box)}},
         {GLFW_KEY_W, kWithout, kWith, {chooses(SelectShape::ball)}},
         plain(GLFW_KEY_D, {chooses(SelectShape::plane)})}},
@@ -151,15 +175,15 @@ std::vector<KeyRow> make() {
        {plain(GLFW_KEY_T, {[](WindowSettings& settings) { settings.select.through = !settings.select.through; }})}},
       {select,
        "Ctrl+A;  Ctrl+Shift+A;  Ctrl+I",
-       "select all;  none;  the others",
+       "select all;  select none;  select the others",
        {controlled(GLFW_KEY_A, kWithout, {SelectCommand::all}), controlled(GLFW_KEY_A, kWith, {SelectCommand::none}),
         controlled(GLFW_KEY_I, kEither, {SelectCommand::invert})}},
       {select,
-       "+  -;  J",
-       "grow or shrink the selection;  select what is connected with it",
-       {plain(GLFW_KEY_EQUAL, {SelectCommand::grow}), plain(GLFW_KEY_KP_ADD, {SelectCommand::grow}),
-        plain(GLFW_KEY_MINUS, {SelectCommand::shrink}), plain(GLFW_KEY_KP_SUBTRACT, {SelectCommand::shrink}),
-        plain(GLFW_KEY_J, {SelectCommand::connected})}},
+       "+;  -;  J",
+       "grow the selection;  shrink it;  select what is connected with it",
+       {plain(GLFW_KEY_EQUAL, {SelectCommand::grow}), plain(GLFW_KEY_MINUS, {SelectCommand::shrink}),
+        plain(GLFW_KEY_J, {SelectCommand::connected}), plain(GLFW_KEY_KP_ADD, {SelectCommand::grow}),
+        plain(GLFW_KEY_KP_SUBTRACT, {SelectCommand::shrink})}},
       {select,
        "H;  Shift+H;  I",
        "hide what is selected;  show all;  hide the others",
@@ -196,19 +220,19 @@ std::vector<KeyRow> make() {
        {plain(GLFW_KEY_LEFT_BRACKET, {resizes(false, 1 / kStep)}),
         plain(GLFW_KEY_RIGHT_BRACKET, {resizes(false, kStep)})}},
       {all,
-       "Ctrl+Z,  Ctrl+Shift+Z",
-       "undo, redo",
+       "Ctrl+Z;  Ctrl+Shift+Z",
+       "undo;  redo",
        {controlled(GLFW_KEY_Z, kWithout, {ModelCommand::undo}), controlled(GLFW_KEY_Z, kWith, {ModelCommand::redo}),
         controlled(GLFW_KEY_Y, kEither, {ModelCommand::redo})}},
       {all,
-       "Ctrl+S, Ctrl+Shift+S, Ctrl+O",
-       "save;  to another file;  open a file",
+       "Ctrl+S;  Ctrl+Shift+S;  Ctrl+O",
+       "save;  save to another file;  open a file",
        {controlled(GLFW_KEY_S, kWithout, {ModelCommand::save}),
         controlled(GLFW_KEY_S, kWith, {BrowseCommand{FileTask::saveAs}}),
         controlled(GLFW_KEY_O, kEither, {BrowseCommand{FileTask::open}})}},
       {others, "Backspace", "forces off, and on again", {plain(GLFW_KEY_BACKSPACE, {WindowCommand::switchForces})}},
       {all,
-       "M,  Ctrl+F",
+       "M;  Ctrl+F",
        "triangles (marching cubes), or points;  cameras on and off",
        {plain(GLFW_KEY_M, {switches(&ViewSettings::mesh)}),
         controlled(GLFW_KEY_F, kEither, {switches(&ViewSettings::cameras)})}},
@@ -219,15 +243,15 @@ std::vector<KeyRow> make() {
        "copy the picked positions, with all their digits",
        {controlled(GLFW_KEY_C, kEither, {WindowCommand::copyPlaces})}},
       {all,
-       "K,  .",
-       "pause or continue a depth camera;  next frame",
+       "K;  .",
+       "pause or continue a depth camera, water or sand;  show the next frame of a camera",
        {plain(GLFW_KEY_K, {ModelCommand::pause}), plain(GLFW_KEY_PERIOD, {ModelCommand::step})}},
-      {all, "K,  N", "pause or continue water or sand;  restart it", {plain(GLFW_KEY_N, {ModelCommand::restart})}},
+      {all, "N", "restart water or sand", {plain(GLFW_KEY_N, {ModelCommand::restart})}},
       {others, "P", "picture of the model to a file", {plain(GLFW_KEY_P, {WindowCommand::screenshot})}},
       {all, "Ctrl+P", "picture of the model to a file", {controlled(GLFW_KEY_P, kEither, {WindowCommand::screenshot})}},
       {all,
-       "C,  Tab",
-       "curves, panels on and off",
+       "C;  Tab",
+       "curves on and off;  panels on and off",
        {plain(GLFW_KEY_C, {switches(&ViewSettings::plots)}), plain(GLFW_KEY_TAB, {switches(&ViewSettings::panels)})}},
       {others,
        "Esc",
@@ -243,11 +267,20 @@ std::vector<KeyRow> make() {
        "give the outline up;  stop reading;  close a list, an error or help",
        {plain(GLFW_KEY_ESCAPE,
               {SelectCommand::cancelOutline, closesHelp, WindowCommand::stopReading, WindowCommand::closeErrors})}},
-      {others, "H", "this help", {plain(GLFW_KEY_H, {switches(&ViewSettings::help)})}},
+      {all, fmt::format("F2 to F{}", kSections.size() + 1),
+       fmt::format("open a section of the panel: {}", fmt::join(kSections, ", ")), sections()},
       {all,
-       "F1,  Q",
-       "this help,  quit",
-       {plain(GLFW_KEY_F1, {switches(&ViewSettings::help)}), {GLFW_KEY_Q, kEither, kEither, {WindowCommand::quit}}}},
+       "Ctrl++;  Ctrl+-;  Ctrl+0",
+       "larger text;  smaller text;  text as large as at first",
+       {controlled(GLFW_KEY_EQUAL, kEither, {resizesText(1)}), controlled(GLFW_KEY_MINUS, kEither, {resizesText(-1)}),
+        controlled(GLFW_KEY_0, kEither, {resizesText(0)})}},
+      {all, "F11", "full screen, and back", {plain(GLFW_KEY_F11, {switches(&ViewSettings::fullScreen)})}},
+      {others, "H", "this help, which searches", {plain(GLFW_KEY_H, {switches(&ViewSettings::help)})}},
+      {all,
+       "F1, ?",
+       "this help, which searches",
+       {plain(GLFW_KEY_F1, {switches(&ViewSettings::help)}), plain(GLFW_KEY_SLASH, {switches(&ViewSettings::help)})}},
+      {all, "Q", "quit", {{GLFW_KEY_Q, kEither, kEither, {WindowCommand::quit}}}},
   };
 }
 

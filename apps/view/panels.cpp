@@ -7,7 +7,6 @@
 
 #include "engine/cloud/length_text.hpp"
 #include "engine/core/counted.hpp"
-#include "engine/io/cloud_formats.hpp"
 #include "haptics/session/settings.hpp"
 
 namespace palpate {
@@ -21,12 +20,6 @@ const Range& sliderOf(std::string_view name) {
 
 constexpr std::array<std::pair<std::string_view, std::uint32_t>, 4> kFalloffs{
     {{"flat", 0}, {"sphere", 1}, {"smooth", 2}, {"sharp", 5}}};
-
-// With its inverse, which Ctrl gives.
-std::string whatItDoes(const BrushTraits& brush) {
-  return brush.inverse ? fmt::format("{}; with Ctrl: {}", brush.does, traitsOf(*brush.inverse).name)
-                       : fmt::format("{}; no inverse: {}", brush.does, brush.withoutInverse);
-}
 
 }  // namespace
 
@@ -57,9 +50,18 @@ std::optional<DVec2> Panels::placeOf(const std::string& name) const {
 
 bool Panels::button(const char* name, float width) { return noted(name, ImGui::Button(name, {width, 0})); }
 
+bool Panels::flowing(const char* name, bool isFirst) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float width = ImGui::CalcTextSize(name, nullptr, true).x + 2 * style.FramePadding.x;
+  const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  if (!isFirst && ImGui::GetItemRectMax().x + style.ItemSpacing.x + width <= end) ImGui::SameLine();
+  return button(name);
+}
+
 bool Panels::checkbox(const char* name, bool& on) { return noted(name, ImGui::Checkbox(name, &on)); }
 
 bool Panels::header(const char* name, bool open) {
+  if (!opens_.empty()) ImGui::SetNextItemOpen(opens_ == name);
   return noted(name, ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0));
 }
 
@@ -76,7 +78,7 @@ bool Panels::dragLength(const char* name, double& value_mm, double speed_mm, con
   double value = perMm * value_mm;
   const double size = value > 0 ? value : range.max;
   const int decimals = std::clamp(kFewLengthDigits - 1 - static_cast<int>(std::floor(std::log10(size))), 0, 15);
-  const std::string shown = unit.starts_with('%') ? '%' + unit : unit;
+  const std::string shown = unit.starts_with('%') ? "%% of model" : unit;  // shorter, so that it fits
   const std::string format = *text ? text : fmt::format("%.{}f {}", decimals, shown);
   const bool changed = drag(name, value, static_cast<float>(perMm * speed_mm), range, format.c_str());
   if (changed) value_mm = std::clamp(value / perMm, range_mm.min, range_mm.max);
@@ -105,7 +107,7 @@ bool Panels::chooseWord(const char* label, std::span<const std::string_view> wor
 DVec2 Panels::freeWidth_px(const ViewSettings& view, double width_px) const {
   const DVec2 all(0, width_px);
   if (!view.panels) return all;
-  const DVec2 besidePanel(double{em(kPanel_em + 2 * kMargin_em)}, width_px);
+  const DVec2 besidePanel(double{em(kTools_em)}, width_px - double{em(kPanel_em + 2 * kMargin_em)});
   const DVec2 between = view.plots ? besidePanel - DVec2(0, double{em(kCurves_em + 2 * kMargin_em)}) : besidePanel;
   // Where too little is left between panel and curves, the model is centred behind the curves, then behind the panel
   // too.
@@ -115,7 +117,7 @@ DVec2 Panels::freeWidth_px(const ViewSettings& view, double width_px) const {
 }
 
 bool Panels::hasRoomBeside(double width_px) const {
-  return width_px >= double{em(kPanel_em + 2 * kMargin_em + kModel_em)};
+  return width_px >= double{em(kTools_em + kPanel_em + 2 * kMargin_em + kModel_em)};
 }
 
 ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
@@ -126,18 +128,30 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
     link_.add(*status.others->counts);
   else
     link_.clear();
-  helps_ = !view.help;
-  if (view.panels) drawPanel(status, settings);
-  corner_px_ = {ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y};
+  helps_ = !view.help && !view.firstSteps;
+  opens_ = std::exchange(view.opens, {});
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  const bool isStart = !status.session && !status.loading;
+  bottom_px_ = view.panels && status.session ? display.y - em(kStatus_em) : display.y;
+  free_px_ = freeWidth_px(view, double{display.x});
+  corner_px_ = {free_px_.y, double{bottom_px_}};
+  if (isStart && !view.firstSteps) drawStart(status, view);
+  if (view.panels && !isStart) drawPanel(status, settings);
+  statusLine_.clear();
+  if (view.panels && status.session) {
+    drawTools(status, settings);
+    drawStatusLine(status);
+  }
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
-  drawDistance(status, view);
+  drawDistance(status);
   drawOutline(status.outline);
   drawBrushHint(status.brush);
   drawVolume(status.volume);
   if (status.legend) drawLegend(*status.legend);
   if (view.panels && view.plots && status.session) drawPlots(status, view);
   view.help ? drawHelp(settings) : drawMessages(status, settings);
-  drawErrors(status, view);
+  if (view.firstSteps) drawFirstSteps(view);
+  drawErrors(status);
   drawQuestions(status);
   drawFiles(status);
   return std::exchange(commands_, {});
@@ -145,12 +159,12 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
 
 void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({em(kMargin_em), em(kMargin_em)});
   const float width = std::min(em(kPanel_em), display.x - em(2 * kMargin_em));
-  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, display.y - em(2 * kMargin_em)});
+  ImGui::SetNextWindowPos({display.x - width - em(kMargin_em), em(kMargin_em)});
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, bottom_px_ - em(2 * kMargin_em)});
   ImGui::Begin("palpate", nullptr,
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar);
-  ImGui::PushItemWidth(em(9.5));
+  ImGui::PushItemWidth(em(9.2));
   drawModel(status);
   drawDevice(status);
   if (status.session) {
@@ -172,18 +186,14 @@ void Panels::drawModel(const ViewStatus& status) {
   if (status.session) {
     ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
     help(status.model);
-    ImGui::TextDisabled("%llu points", static_cast<unsigned long long>(status.session->presentPoints()));
-    drawCounts(status.selection);
-    ImGui::TextDisabled("%s", status.orientation.c_str());
-    ImGui::SameLine();
     post(button("Turn"), WindowCommand::turnModel);
     help("U: by 90 degrees, clockwise; up is " + status.orientationWhy);
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", status.orientation.c_str());
     const Model& model = status.session->model();
     const double side = model.container() ? model.container()->longestSide() : status.session->longestSide();
     ImGui::TextDisabled("feels %.3g mm long (%.3g %s)", model.scale.toMm(side), side, nameOf(status.unit).data());
     help("change it with --mm-per-unit or Measure; default: the file's scale, else the longest side is 100 mm");
-  } else if (!status.loading) {
-    ImGui::TextWrapped("Drop a point cloud here, or press Ctrl+O (%s)", cloudFormats().namesRead().c_str());
   }
   if (status.loading) {
     ImGui::TextUnformatted(status.loadingWhat.c_str());
@@ -195,10 +205,10 @@ void Panels::drawModel(const ViewStatus& status) {
     if (status.isStoppable) post(button("Cancel##reading"), WindowCommand::stopReading);
     if (status.isStoppable) help("Esc");
   }
-  if (!header("Models", !status.session && !status.loading)) return;
-  if (button("Browse...")) browse(FileTask::open, status);
+  if (!header("Models")) return;
+  if (button("Browse...")) browse(FileTask::open);
   help("Ctrl+O");
-  ImGui::PushItemWidth(em(11.5));
+  ImGui::PushItemWidth(em(9.2));
   const bool entered = field("file.ply", open_);
   ImGui::PopItemWidth();
   ImGui::SameLine();
@@ -221,25 +231,8 @@ void Panels::drawModel(const ViewStatus& status) {
   }
 }
 
-bool Panels::chosenButton(const char* name, float width, bool isChosen) {
-  if (isChosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-  const bool isPressed = button(name, width);
-  if (isChosen) ImGui::PopStyleColor();
-  return isPressed;
-}
-
 void Panels::drawTool(const ViewStatus& status, WindowSettings& settings) {
   if (!header("Tool", true)) return;
-  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
-  const auto choose = [&](const char* name, WindowTool tool, const char* text) {
-    if (chosenButton(name, width, settings.tool == tool)) settings.tool = tool;
-    help(text);
-  };
-  choose("Sculpt", WindowTool::sculpt, "hold Space: the mouse is the stylus (1 to 8 choose what it does)");
-  ImGui::SameLine();
-  choose("Select", WindowTool::select, "S: the left button selects points");
-  ImGui::SameLine();
-  choose("Only look", WindowTool::look, "V: the mouse only moves the view");
   if (settings.tool == WindowTool::sculpt) drawBrush(status, settings.brush, settings.view);
   if (settings.tool == WindowTool::select) drawSelect(status, settings);
   const StrokeCounts counts = status.session->session().strokes();
@@ -257,21 +250,6 @@ void Panels::drawTool(const ViewStatus& status, WindowSettings& settings) {
 }
 
 void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view) {
-  int number = 0;
-  const float width = 0.25f * (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x);
-  const auto chosen = [&](std::string_view name, const char* does, bool isOn) {
-    if (number % 4 != 0) ImGui::SameLine();
-    const bool isPressed = chosenButton(name.data(), width, isOn);
-    help(fmt::format("{} ({})", does, ++number));
-    return isPressed;
-  };
-  if (chosen("feel", "touches the surface and leaves it as it is", !brush.sculpts)) brush.sculpts = false;
-  for (const BrushTraits& each : kBrushes)
-    if (chosen(each.name, whatItDoes(each).c_str(),
-               brush.sculpts && status.brush.kind.value_or(brush.kind) == each.kind)) {
-      brush.kind = each.kind;
-      brush.sculpts = true;
-    }
   if (brush.sculpts) {
     dragLength("size", brush.radius_mm, 0.1, sliderOf<BrushConfig>("radius_mm"), status);
     help("radius of the brush; [ and ] change it, or F and a motion of the mouse");
@@ -380,7 +358,7 @@ void Panels::drawSession(const ViewStatus& status) {
   post((button(replaces ? "Replace" : "Save as") || (entered && !replaces)),
        FileCommand{FileTask::saveAs, saveAs_.data()});
   if (replaces) ImGui::TextWrapped("%s", whatIsReplaced(saveAs_.data(), status).c_str());
-  if (button("Save to...")) browse(FileTask::saveAs, status);
+  if (button("Save to...")) browse(FileTask::saveAs);
   help("Ctrl+Shift+S");
   field("session.log", log_);
   help(where);

@@ -19,6 +19,8 @@
 #include "apps/view/place_info.hpp"
 #include "apps/view/select_tool.hpp"
 #include "apps/view/settings.hpp"
+#include "apps/view/theme.hpp"
+#include "apps/view/thumbnails.hpp"
 #include "engine/io/memory_need.hpp"
 #include "haptics/devices/haptic_device.hpp"
 
@@ -27,6 +29,7 @@ namespace palpate {
 class DeviceCheckQuery;
 class HeldDevice;
 struct DeviceCheckResult;
+struct HelpEntry;
 struct OpenedDevice;
 
 /// State of the window, as the panels show it.
@@ -65,14 +68,18 @@ struct ViewStatus {
   std::string orientation;           ///< up and front in a few words, and how sure they are
   std::string orientationWhy;
   LengthUnit unit = LengthUnit::unknown;
-  ViewSettings::ShownLength lengths;    ///< of the hand
-  std::optional<PlaceInfo> picked;      ///< the last picked position
-  std::optional<double> measured;       ///< distance of the two picked positions, units
-  std::optional<DVec2> measuredAt_px;   ///< middle between them in the picture
-  std::optional<Legend> legend;         ///< set where points are coloured by height or by a field
-  const ColoredField* field = nullptr;  ///< that field
-  std::vector<std::string> fields;      ///< names of all
-  std::string whereError;               ///< what is wrong with the condition of the last selection
+  ViewSettings::ShownLength lengths;     ///< of the hand
+  std::optional<DVec3> under;            ///< position of the model under the cursor, file coordinates
+  double under_resolution = 0;           ///< of that (coordinateText())
+  double picture_ms = 0;                 ///< time of a picture of the model
+  std::optional<double> onTime_percent;  ///< ticks of the hand that were on time; empty: no hand is live
+  std::optional<PlaceInfo> picked;       ///< the last picked position
+  std::optional<double> measured;        ///< distance of the two picked positions, units
+  std::optional<DVec2> measuredAt_px;    ///< middle between them in the picture
+  std::optional<Legend> legend;          ///< set where points are coloured by height or by a field
+  const ColoredField* field = nullptr;   ///< that field
+  std::vector<std::string> fields;       ///< names of all
+  std::string whereError;                ///< what is wrong with the condition of the last selection
   double meshTime_ms = 0;
   std::uint64_t meshTriangles = 0;
   const std::deque<float>* pictures_ms = nullptr;  ///< frame times
@@ -95,6 +102,10 @@ class Panels {
  public:
   explicit Panels(Gui& gui) : gui_(gui) {}
 
+  /// Text of the status line in the last frame; empty: it is not shown.
+  const std::string& statusLine() const { return statusLine_; }
+  Thumbnails& thumbnails() { return thumbnails_; }
+
   /// Called between Gui::begin() and Gui::end(). Changes the settings as the user sets them; returns other commands.
   ViewCommands draw(const ViewStatus& status, WindowSettings& settings);
 
@@ -102,8 +113,8 @@ class Panels {
   std::optional<DVec2> placeOf(const std::string& name) const;
   /// Scrolls the control of that name into view in the next frames; empty: none.
   void scrollTo(const std::string& name);
-  /// Opens the file dialogue in the folder of the model, or of its save file.
-  void browse(FileTask task, const ViewStatus& status);
+  /// Opens the file dialogue with the next frame, in the folder of the model, or of its save file.
+  void browse(FileTask task) { browses_ = task; }
   /// Closes the file dialogue.
   void closeFiles() { files_.reset(); }
   bool areFilesOpen() const { return files_.has_value(); }
@@ -148,6 +159,24 @@ class Panels {
 
   void noteLetters(const ViewStatus& status);
   void drawPanel(const ViewStatus& status, WindowSettings& settings);
+  struct Tool {
+    const char* name;
+    std::string_view icon;
+    std::string key, text;
+    bool isOn;
+    std::function<void()> choose;
+  };
+  std::vector<Tool> toolsOf(const ViewStatus& status, WindowSettings& settings);
+  void drawTools(const ViewStatus& status, WindowSettings& settings);
+  void drawToolButton(const Tool& tool, const DVec2& size_px);
+  void drawStatusLine(const ViewStatus& status);
+  // A button on the same line as the last one if it fits there.
+  bool flowing(const char* name, bool isFirst);
+  bool card(const char* name, float width, float picture, const std::function<void(const DVec2&, float)>& draw);
+  void drawStart(const ViewStatus& status, ViewSettings& view);
+  void drawLastFiles(const ViewStatus& status);
+  void drawFirstSteps(ViewSettings& view);
+  std::uint32_t ink(Tone tone) const { return inkOf(tone, gui_.isDark()); }
   void drawModel(const ViewStatus& status);
   void drawTool(const ViewStatus& status, WindowSettings& settings);
   void drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view);
@@ -160,13 +189,11 @@ class Panels {
   void drawCleanNumber(const ViewStatus& status, CleanSettings& clean, std::string_view name, float indent);
   void drawField(const ColoredField& field, ColorConfig& color);
   void drawHistogram(const ColoredField& field, ColorConfig& color);
-  void drawCounts(const SelectionCounts& counts);
   void drawOutline(const DrawnOutline& outline);
   void drawBrushHint(const BrushHint& hint) const;
   void drawSymmetry(std::string& symmetry);
   void drawVolume(const DrawnVolume& volume);
   void drawVolumeNumbers(const ViewStatus& status, SelectShape shape);
-  bool chosenButton(const char* name, float width, bool isChosen);
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
   void drawDevice(const ViewStatus& status);
   void drawDeviceFacts(const OpenedDevice& opened);
@@ -181,6 +208,7 @@ class Panels {
   void drawLight(LightConfig& light);
   void drawSides();
   void drawViews(const ViewStatus& status);
+  void openFiles(FileTask task, const ViewStatus& status);
   void drawFiles(const ViewStatus& status);
   bool drawEntries();
   bool drawName();
@@ -191,10 +219,12 @@ class Panels {
   void drawLink();
   void drawPlots(const ViewStatus& status, ViewSettings& view);
   void drawHelp(WindowSettings& settings);
+  bool drawHelpEntry(const HelpEntry& entry, bool isFound);
+  void carryOut(const HelpEntry& entry, WindowSettings& settings);
   void drawMessages(const ViewStatus& status, const WindowSettings& settings);
-  void drawErrors(const ViewStatus& status, const ViewSettings& view);
+  void drawErrors(const ViewStatus& status);
   void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit);
-  void drawDistance(const ViewStatus& status, const ViewSettings& view) const;
+  void drawDistance(const ViewStatus& status) const;
   void drawLegend(const Legend& legend);
   struct AnswerButton {
     const char* name;
@@ -206,7 +236,8 @@ class Panels {
   void ask(const char* title, bool asks, const std::function<bool()>& draw);
   bool answers(std::initializer_list<AnswerButton> buttons);
   void drawQuestions(const ViewStatus& status);
-  static constexpr double kPanel_em = 18.5, kCurves_em = 18, kMargin_em = 0.6;
+  static constexpr double kTools_em = 3, kPanel_em = 16.5, kCurves_em = 18, kStatus_em = 1.6;
+  static constexpr double kMargin_em = 0.6, kEdge_em = 0.3;
   static constexpr double kMessages_em = 12;  ///< minimum width for messages beside the scale
   static constexpr double kModel_em = 6;      ///< minimum width for the model
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
@@ -215,6 +246,9 @@ class Panels {
   ViewCommands commands_;  // posted in this frame
   std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{}, colorRange_{}, where_{}, selectionName_{},
       volume_{}, way_{}, angles_{}, factor_{}, viewName_{};
+  std::array<char, 128> searched_{};
+  std::size_t found_ = 0;    // entry of the help that Enter carries out
+  std::string_view opens_;   // section that is opened in this frame, and all others are closed; empty: none
   std::string shownVolume_;  // numbers of the volume when they were last put into volume_
   DeviceState seenDevice_;
   bool paused_ = false;
@@ -227,8 +261,14 @@ class Panels {
     std::array<char, 512> name{}, folder{};
     std::string seen;  // chosen entry that the list has been scrolled to
   };
+  std::optional<FileTask> browses_;
   std::optional<Files> files_;  // set while the file dialogue is open
-  DVec2 corner_px_{0};          // upper left end of the scale and the legend, at the lower right, in this frame
+  // Of this frame: ends of the range that no panel covers, top of the status line, and the upper left end of the scale
+  // and the legend, which are at the lower right of that range.
+  DVec2 free_px_{0}, corner_px_{0};
+  float bottom_px_ = 0;
+  std::string statusLine_;
+  Thumbnails thumbnails_;
   std::map<std::string, DVec2> places_;
   std::string scrollTo_;
   struct Curves {

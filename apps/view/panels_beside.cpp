@@ -74,7 +74,7 @@ void Panels::plot(const char* what, const std::vector<float>& curve, float least
 
 void Panels::drawPlots(const ViewStatus& status, ViewSettings& view) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({display.x - em(kMargin_em), em(kMargin_em)}, ImGuiCond_Always, {1, 0});
+  ImGui::SetNextWindowPos({display.x - em(kPanel_em + 2 * kMargin_em), em(kMargin_em)}, ImGuiCond_Always, {1, 0});
   ImGui::SetNextWindowSize({em(kCurves_em), 0});
   ImGui::Begin("Curves", &view.plots, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
   const RecentTicks& history = status.session->recentTicks();
@@ -136,9 +136,13 @@ void Panels::drawLink() {
 void Panels::drawOthers(const ViewStatus& status) {
   if (!status.others || !header("Others", true)) return;
   const auto& [given, hands, cameras] = *status.others;
-  const auto line = [](std::uint32_t number, const std::string& name, const std::string& does) {
+  const auto line = [this](std::uint32_t number, const std::string& name, const std::string& does) {
     const auto color = colorOfHand(number);
-    ImGui::TextColored(ImVec4(color[0] / 255.0F, color[1] / 255.0F, color[2] / 255.0F, 1), "%s", name.c_str());
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddCircleFilled({at.x + em(0.4), at.y + 0.5f * ImGui::GetTextLineHeight()}, em(0.35),
+                                                IM_COL32(color[0], color[1], color[2], 255));
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + em(1.1));
+    ImGui::TextUnformatted(name.c_str());
     ImGui::SameLine();
     ImGui::TextDisabled("%s", does.c_str());
   };
@@ -161,10 +165,10 @@ void Panels::drawOthers(const ViewStatus& status) {
 
 void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) {
   const std::string text = lengthText(bar.length, unit);
-  const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
   const ImU32 color = ImGui::GetColorU32(ImGuiCol_Text);
-  const float width = static_cast<float>(bar.width_px), right = display.x - em(1.5),
-              y = std::round(display.y - em(1.5));
+  const float width = static_cast<float>(bar.width_px), right = static_cast<float>(free_px_.y) - em(1.5),
+              y = std::round(bottom_px_ - em(1.5));
   const float end = em(0.35), thick = em(0.14);
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.AddLine({right - width, y}, {right, y}, color, thick);
@@ -175,17 +179,16 @@ void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) {
 }
 
 // At the middle of the line between the two positions, moved if necessary so that no panel covers it.
-void Panels::drawDistance(const ViewStatus& status, const ViewSettings& view) const {
+void Panels::drawDistance(const ViewStatus& status) const {
   if (!status.measured || !status.measuredAt_px) return;
   const std::string text = lengthText(*status.measured, status.unit);
   const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());
-  const DVec2 free_px = freeWidth_px(view, double{display.x});
   const float padding = em(0.3);
   const auto within = [](double value, double least, double most) {
     return static_cast<float>(std::round(std::max(least, std::min(value, most))));
   };
-  const float x = within(status.measuredAt_px->x - 0.5 * double{size.x}, free_px.x + double{padding},
-                         free_px.y - double{size.x + padding});
+  const float x = within(status.measuredAt_px->x - 0.5 * double{size.x}, free_px_.x + double{padding},
+                         free_px_.y - double{size.x + padding});
   const float y =
       within(status.measuredAt_px->y - 0.5 * double{size.y}, double{padding}, double{display.y - size.y - padding});
   ImDrawList& list = *ImGui::GetBackgroundDrawList();

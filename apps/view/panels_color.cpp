@@ -112,9 +112,9 @@ void Panels::drawHistogram(const ColoredField& field, ColorConfig& color) {
 
 // At the right edge, above the scale.
 void Panels::drawLegend(const Legend& legend) {
-  const ImVec2 display = ImGui::GetIO().DisplaySize;
   const float line = ImGui::GetTextLineHeight(), step = 1.25f * line;
-  const float width = em(1), right = display.x - em(1.5), left = right - width, foot = display.y - em(4.5);
+  const float width = em(1), right = static_cast<float>(free_px_.y) - em(1.5), left = right - width,
+              foot = bottom_px_ - em(4.5);
   const float entries = step * static_cast<float>(legend.entries.size());
   const bool isRamp = !legend.marks.empty();
   const float bottom = foot - entries - (isRamp && entries > 0 ? 0.5f * line : 0);

@@ -57,7 +57,7 @@ std::string whatIsReplaced(const std::filesystem::path& file, const ViewStatus& 
              : "A file of this name exists.";
 }
 
-void Panels::browse(FileTask task, const ViewStatus& status) {
+void Panels::openFiles(FileTask task, const ViewStatus& status) {
   if (task != FileTask::open && !status.session) return;
   const std::filesystem::path beside = task == FileTask::saveAs ? status.saveFile : status.model;
   files_.emplace(Files{
@@ -134,6 +134,7 @@ bool Panels::drawName() {
 }
 
 void Panels::drawFiles(const ViewStatus& status) {
+  if (const auto task = std::exchange(browses_, {})) openFiles(*task, status);
   if (!files_) return;
   const char* const title = titleOf(files_->task);
   if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);

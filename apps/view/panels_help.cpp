@@ -1,11 +1,12 @@
 // The part of Panels that explains: tooltips, and the list of all keys.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 #include <imgui.h>
 
 #include <algorithm>
 
-#include "apps/view/key_table.hpp"
+#include "apps/view/help_search.hpp"
 #include "apps/view/panels.hpp"
-#include "engine/core/named_values.hpp"
 
 namespace palpate {
 
@@ -33,31 +34,87 @@ void Panels::help(const std::string& text) const {
   ImGui::EndTooltip();
 }
 
+// Keys, commands and settings; typed words filter them, and Enter or a click does what is chosen.
 void Panels::drawHelp(WindowSettings& settings) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
+  const DVec2 size(std::min(em(44), display.x - em(1)), std::min(em(36), display.y - em(1)));
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  const float width = std::min(em(39), display.x - em(1));
-  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, display.y - em(1)});
-  ImGui::SetNextWindowBgAlpha(1);
-  ImGui::Begin("Help", &settings.view.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
-  ImGui::TextDisabled("%s", std::string(nameOf(kWindowTools, settings.tool)).c_str());
-  if (ImGui::BeginTable("keys", 2)) {
-    ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
-    ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
-    for (const KeyRow& row : keyRows()) {
-      if (!row.appliesTo(settings.tool)) continue;
-      ImGui::TableNextRow();
-      ImGui::TableNextColumn();
-      ImGui::TextUnformatted(row.keys.c_str());
-      ImGui::TableNextColumn();
-      ImGui::TextWrapped("%s", row.effect.c_str());
-    }
-    ImGui::EndTable();
+  ImGui::SetNextWindowSize({static_cast<float>(size.x), static_cast<float>(size.y)});
+  bool& isOpen = settings.view.help;
+  ImGui::Begin("Help", &isOpen, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
+  const auto pressed = [](int key, bool repeats = false) { return ImGui::IsKeyPressed(key, repeats); };
+  if (ImGui::IsWindowAppearing()) {
+    searched_ = {};
+    found_ = 0;
+    ImGui::SetKeyboardFocusHere();
+  } else if (pressed(GLFW_KEY_ESCAPE) || pressed(GLFW_KEY_F1)) {
+    isOpen = false;
   }
-  ImGui::TextWrapped(
-      "Gamepad: left stick moves, right stick or triggers change the depth, A holds the stylus, B releases it.");
-  ImGui::TextWrapped("3D mouse: its cap moves the model; after the first button it moves the stylus.");
+  ImGui::PushItemWidth(-em(7));
+  if (ImGui::InputTextWithHint("##search", "search: type a word", searched_.data(), searched_.size())) found_ = 0;
+  noted("search", false);
+  ImGui::PopItemWidth();
+  ImGui::SameLine();
+  if (button("First steps")) settings.view.firstSteps = true, isOpen = false;
+  const std::vector<HelpEntry> entries = helpFor(settings.tool, searched_.data());
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(entries, &HelpEntry::isCommand));
+  if (pressed(GLFW_KEY_DOWN, true) && found_ + 1 < count) ++found_;
+  if (pressed(GLFW_KEY_UP, true) && found_ > 0) --found_;
+  const bool isEntered = pressed(GLFW_KEY_ENTER) || pressed(GLFW_KEY_KP_ENTER);
+  ImGui::BeginChild("entries");
+  if (entries.empty()) ImGui::TextDisabled("nothing has this word");
+  std::size_t number = 0;
+  for (const HelpEntry& entry : entries) {
+    const bool isFound = searched_[0] && entry.isCommand() && number == found_;
+    if (entry.isCommand()) ++number;
+    if (drawHelpEntry(entry, isFound) || (isFound && isEntered)) {
+      isOpen = false;
+      carryOut(entry, settings);
+    }
+  }
+  ImGui::EndChild();
   ImGui::End();
+}
+
+// Returns whether it was clicked.
+bool Panels::drawHelpEntry(const HelpEntry& entry, bool isFound) {
+  const float column = em(13.5);
+  const float wrap = ImGui::GetContentRegionMax().x - em(0.5);
+  const float height = ImGui::CalcTextSize(entry.effect.c_str(), nullptr, false, wrap - column).y;
+  const ImVec2 at = ImGui::GetCursorPos();
+  ImGui::PushID(&entry);
+  bool isClicked = false;
+  if (entry.isCommand())
+    isClicked = noted(entry.effect, ImGui::Selectable("##entry", isFound, 0, {0, height}));
+  else
+    ImGui::Dummy({1, height});
+  if (isFound && !ImGui::IsItemVisible()) ImGui::SetScrollHereY();
+  const ImVec2 after = ImGui::GetCursorPos();
+  ImGui::PopID();
+  ImGui::SetCursorPos(at);
+  ImGui::PushTextWrapPos(column - em(0.5));
+  ImGui::PushStyleColor(ImGuiCol_Text, ink(entry.isCommand() ? Tone::mark : Tone::faint));
+  ImGui::TextUnformatted(entry.keys.c_str());
+  ImGui::PopStyleColor();
+  ImGui::PopTextWrapPos();
+  ImGui::SetCursorPos({column, at.y});
+  ImGui::PushTextWrapPos(wrap);
+  ImGui::TextUnformatted(entry.effect.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::SetCursorPos({at.x, std::max(after.y, ImGui::GetCursorPosY())});
+  return isClicked;
+}
+
+void Panels::carryOut(const HelpEntry& entry, WindowSettings& settings) {
+  if (!entry.section.empty()) {
+    settings.view.panels = true;
+    settings.view.opens = entry.section;
+  }
+  if (entry.tool) settings.tool = *entry.tool;
+  for (const KeyAction& action : entry.actions) {
+    if (const auto* command = std::get_if<ViewCommand>(&action)) commands_.push_back(*command);
+    if (const auto* set = std::get_if<std::function<void(WindowSettings&)>>(&action)) (*set)(settings);
+  }
 }
 
 }  // namespace palpate

@@ -45,7 +45,7 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
     ImGui::PopItemWidth();
     ImGui::TextDisabled("%llu triangles, last change %.1f ms", static_cast<unsigned long long>(status.meshTriangles),
                         status.meshTime_ms);
-    if (status.meshTriangles > 0 && button("Export mesh...")) browse(FileTask::exportMesh, status);
+    if (status.meshTriangles > 0 && button("Export mesh...")) browse(FileTask::exportMesh);
   }
   checkbox("cameras", view.cameras);
   help("F: the cameras that took the model's pictures, if its files contain them");
@@ -53,23 +53,17 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
   help("four samples per pixel; slower");
   ImGui::SameLine();
   checkbox("scale", view.scaleBar);
-  checkbox("dark", view.dark);
+  choose("theme", kThemes, view.dark);
+  choose("text size, %", kTextSizes, view.text_percent);
+  help("Ctrl++ and Ctrl+-; Ctrl+0: 100 %");
+  checkbox("full screen", view.fullScreen);
+  help("F11");
   ImGui::SameLine();
   checkbox("vsync", view.waitsForDisplay);
   help("off: frames are drawn as fast as possible, and may tear");
   checkbox("orthographic", view.orthographic);
   help("Ctrl+8: without perspective, so that lengths can be compared wherever they are");
   drawSides();
-  post(button("Reset"), WindowCommand::resetView);
-  help("R: shows the whole model");
-  for (int axis = 0; axis < 3; ++axis) {
-    ImGui::SameLine();
-    post(button(std::array{"X", "Y", "Z"}[static_cast<std::size_t>(axis)]), LookAlong{axis, false});
-    help("looks along this axis (the key of this letter; with Shift from behind)");
-  }
-  ImGui::SameLine();
-  post(button("Picture"), WindowCommand::screenshot);
-  help("P: writes a picture of the model, without panels, to a file");
   drawViews(status);
 }
 

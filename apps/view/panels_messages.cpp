@@ -93,33 +93,30 @@ void Panels::drawMessages(const ViewStatus& status, const WindowSettings& settin
   if (!status.blocked.empty()) lines.push_back(status.blocked);
   if (lines.empty() && status.session) lines.push_back(hintFor(settings) + (view.panels ? "" : ",  Tab for panels"));
   if (lines.empty()) return;
-  const ImVec2 display = ImGui::GetIO().DisplaySize;
-  const bool isBeside = view.panels && hasRoomBeside(display.x);
-  const float left = isBeside ? em(kPanel_em + kMargin_em) : 0;
+  const auto left = static_cast<float>(free_px_.x), end = static_cast<float>(free_px_.y);
   const auto corner = ImVec2(static_cast<float>(corner_px_.x), static_cast<float>(corner_px_.y));
   const bool fitsBeside = corner.x - left >= em(kMessages_em);
-  const float right = fitsBeside ? corner.x - em(kMargin_em) : display.x;
-  const float bottom = fitsBeside ? display.y - em(0.8) : corner.y - em(kMargin_em);
+  const float right = fitsBeside ? corner.x - em(kMargin_em) : end;
+  const float bottom = fitsBeside ? bottom_px_ - em(0.8) : corner.y - em(kMargin_em);
   ImGui::SetNextWindowPos({0.5f * (left + right), bottom}, ImGuiCond_Always, {0.5f, 1});
   ImGui::Begin("messages", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
                    ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
   const float inner = right - left - 2 * (em(kMargin_em) + ImGui::GetStyle().WindowPadding.x);
-  ImGui::PushTextWrapPos(std::max(em(8), std::min(inner, 0.7f * (display.x - left))));
+  ImGui::PushTextWrapPos(std::max(em(8), std::min(inner, 0.7f * (end - left))));
   for (const std::string& line : lines) ImGui::TextUnformatted(line.c_str());
   ImGui::PopTextWrapPos();
   ImGui::End();
 }
 
 // White on red, in the area that no panel covers, until the user closes them.
-void Panels::drawErrors(const ViewStatus& status, const ViewSettings& view) {
+void Panels::drawErrors(const ViewStatus& status) {
   if (status.errors.empty()) return;
-  const DVec2 free_px = freeWidth_px(view, double{ImGui::GetIO().DisplaySize.x});
-  const auto left = static_cast<float>(free_px.x), right = static_cast<float>(free_px.y);
+  const auto left = static_cast<float>(free_px_.x), right = static_cast<float>(free_px_.y);
   ImGui::SetNextWindowPos({0.5f * (left + right), em(kMargin_em)}, ImGuiCond_Always, {0.5f, 0});
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.62f, 0.09f, 0.09f, 0.96f));
-  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 1, 1, 1));
-  ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.78f, 0.25f, 0.25f, 1));
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ink(Tone::alarm));
+  ImGui::PushStyleColor(ImGuiCol_Text, ink(Tone::alarmText));
+  ImGui::PushStyleColor(ImGuiCol_Button, ink(Tone::alarmButton));
   ImGui::Begin("errors", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);

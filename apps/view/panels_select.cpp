@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "apps/view/help_search.hpp"
 #include "apps/view/panels.hpp"
 #include "engine/cloud/las_classes.hpp"
 #include "engine/core/counted.hpp"
@@ -19,41 +20,10 @@ constexpr Range kAngles_deg{1, 90};
 
 }  // namespace
 
-void Panels::drawCounts(const SelectionCounts& counts) {
-  const auto line = [](std::uint64_t count, const char* what) {
-    if (count > 0) ImGui::TextUnformatted(fmt::format("{} {}", counted(count, "point"), what).c_str());
-  };
-  line(counts.selected, "selected");
-  line(counts.hidden, "hidden");
-  line(counts.locked, "locked");
-  line(counts.within, "may be changed");
-}
-
 void Panels::drawSelect(const ViewStatus& status, WindowSettings& settings) {
-  constexpr std::array<const char*, kSelectShapes.size()> kHelp{
-      "R: drag a rectangle",
-      "L: drag around the points",
-      "P: click the corners; Enter or a right click closes it, Backspace takes the last one back",
-      "B: drag a ball along the surface",
-      "O: click a point: selects what is connected with it and alike",
-      "E: click a point: selects all of its class, or of its colour where there are no classes",
-      "A: drag a ball along the surface: the points under it get the value below",
-      "W: click the model, or drag from there; drag the handles; Enter selects",
-      "Shift+W: click the model, or drag from there; drag the handles; Enter selects",
-      "D: click the model; drag the handles; Enter selects the side of the arrow",
-      "G: moves, rotates and scales the selected points by handles"};
   SelectSettings& select = settings.select;
-  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
-  for (std::size_t k = 0; k < kSelectShapes.size(); ++k) {
-    const auto& [name, shape] = kSelectShapes[k];
-    if (k % 3 != 0) ImGui::SameLine();
-    if (chosenButton(name.data(), width, select.shape == shape)) select.shape = shape;
-    help(shape == SelectShape::label || shape == SelectShape::move
-             ? std::string(kHelp[k])
-             : fmt::format("{}. Shift adds, Ctrl removes, both keep what is in both", kHelp[k]));
-  }
   if (isBall(select.shape)) {
-    dragLength("ball", select.brush_mm, 0.1, settingNamed<BrushConfig>("radius_mm").slider, status);
+    dragLength("ball size", select.brush_mm, 0.1, settingNamed<BrushConfig>("radius_mm").slider, status);
     help("radius; [ and ] change it");
   }
   if (select.shape == SelectShape::flood) choose("flood##by", kFloodsBy, select.floodsByColor);
@@ -150,7 +120,7 @@ void Panels::drawWhere(const ViewStatus& status) {
        SelectWhere{.condition = where_.data(), .adds = io.KeyShift, .removes = io.KeyCtrl});
   help("selects the points for which this holds. Shift adds, Ctrl removes, both keep what is in both");
   if (!status.whereError.empty()) {
-    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 0.4f, 0.4f, 1));
+    ImGui::PushStyleColor(ImGuiCol_Text, ink(Tone::error));
     ImGui::TextWrapped("%s", status.whereError.c_str());
     ImGui::PopStyleColor();
   }
@@ -161,49 +131,19 @@ void Panels::drawWhere(const ViewStatus& status) {
 }
 
 void Panels::drawSelected(const ViewStatus& status, SelectSettings& select) {
-  struct Row {
-    const char* name;
-    SelectCommand command;
-    std::uint64_t SelectionCounts::*needs;  // that many points
-    const char* help;
-  };
-  constexpr std::size_t kInRow = 3;
-  constexpr auto kSelected = &SelectionCounts::selected;
-  static constexpr Row kRows[]{
-      {"All", SelectCommand::all, nullptr, "Ctrl+A"},
-      {"None", SelectCommand::none, kSelected, "Ctrl+Shift+A"},
-      {"Invert", SelectCommand::invert, nullptr, "Ctrl+I"},
-      {"Grow", SelectCommand::grow, kSelected, "+: by one and a half spacings of the points"},
-      {"Shrink", SelectCommand::shrink, kSelected, "-"},
-      {"Connected", SelectCommand::connected, kSelected, "J: everything that is connected with the selected points"},
-      {"Hide", SelectCommand::hide, kSelected, "H"},
-      {"Isolate", SelectCommand::isolate, kSelected, "I: hides all others"},
-      {"Show all", SelectCommand::showAll, &SelectionCounts::hidden, "Shift+H"},
-      {"Lock", SelectCommand::lock, kSelected, "brushes leave locked points as they are"},
-      {"Unlock all", SelectCommand::unlockAll, &SelectionCounts::locked, "no point is locked"},
-      {"Delete", SelectCommand::remove, kSelected, "Delete: removes the selected points"},
-      {"Only here", SelectCommand::within, kSelected, "brushes change only these points"},
-      {"Anywhere", SelectCommand::everywhere, &SelectionCounts::within, "brushes change all points"},
-      {"Colour", SelectCommand::paint, kSelected, "gives them the colour of the brush paint"},
-  };
   const bool isAny = status.selection.selected > 0;
-  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / kInRow;
-  std::size_t number = 0;
-  for (const Row& row : kRows) {
-    if (number++ % kInRow != 0) ImGui::SameLine();
+  for (const SelectButton& row : selectButtons()) {
     ImGui::BeginDisabled(row.needs && status.selection.*row.needs == 0);
-    post(button(row.name, width), row.command);
+    post(flowing(row.name, &row == selectButtons().data()), row.command);
     ImGui::EndDisabled();
     help(row.help);
   }
   ImGui::BeginDisabled(!isAny);
-  if (button("Export...", width)) browse(FileTask::exportSelection, status);
+  if (flowing("Export...", true)) browse(FileTask::exportSelection);
   help("writes the selected points to a file");
-  ImGui::SameLine();
-  if (button("Separate...", width)) browse(FileTask::separate, status);
+  if (flowing("Separate...", false)) browse(FileTask::separate);
   help("writes them to a file, and removes them here");
-  ImGui::SameLine();
-  post(button("Set value", width) && select.value[0], SetValue{select.field.data(), select.value.data()});
+  post(flowing("Set value", false) && select.value[0], SetValue{select.field.data(), select.value.data()});
   help("gives the selected points the value above");
   ImGui::EndDisabled();
   checkbox("open beside", select.opensBeside);

@@ -14,6 +14,17 @@
 
 namespace palpate {
 
+/// Sizes of the panels and their text, %.
+inline constexpr std::array<std::pair<std::string_view, int>, 9> kTextSizes{{{"75", 75},
+                                                                             {"90", 90},
+                                                                             {"100", 100},
+                                                                             {"110", 110},
+                                                                             {"125", 125},
+                                                                             {"150", 150},
+                                                                             {"200", 200},
+                                                                             {"250", 250},
+                                                                             {"300", 300}}};
+
 /// How the model is shown, and how the mouse holds the stylus.
 struct ViewSettings {
   ColorConfig color;
@@ -23,6 +34,8 @@ struct ViewSettings {
   std::optional<LengthUnit> unit;
   double discRadius_mm = 0;  ///< 0: automatic, so that the discs close the surface
   bool smoothOutlines = false, scaleBar = true, dark = true;
+  int text_percent = 100;  ///< of kTextSizes
+  bool fullScreen = false;
   bool orthographic = false;
   bool cameras = true;    ///< show the cameras that took pictures of the model
   bool measures = false;  ///< the left button picks the two positions of a measure
@@ -33,6 +46,8 @@ struct ViewSettings {
   double string_px = 0;        ///< StrokeOptions::string_px
   bool waitsForDisplay = true;
   bool panels = true, plots = false, help = false;
+  bool firstSteps = false;      ///< show the first steps
+  std::string_view opens = {};  ///< the section of the panel that is opened next; empty: none
 
   UpAxis upOf(const Model& model) const { return up.value_or(model.upright.up); }
   DVec3 frontFor(const Model& model) const {
@@ -58,6 +73,10 @@ struct ViewSettings {
     return {kPercent * perMm / session.longestSide(), "% of the model"};
   }
 };
+
+/// The sections of the panel, with the keys F2 and following.
+inline constexpr std::array<std::string_view, 9> kSections{"Tool",    "Clean",           "Colours", "Feel",  "Look",
+                                                           "Measure", "Save and record", "Models",  "Device"};
 
 /// What the mouse does: it is the stylus while Space is held, selects points, or only moves the view.
 enum class WindowTool : std::uint8_t { sculpt, select, look };

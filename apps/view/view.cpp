@@ -7,6 +7,7 @@
 #include "apps/cli/stop_by_signal.hpp"
 #include "apps/cli/stream_options.hpp"
 #include "apps/cli/system_places.hpp"
+#include "apps/view/theme.hpp"
 #include "apps/view/viewer.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/core/thread_priority.hpp"
@@ -30,7 +31,7 @@ struct ViewCommandOptions {
   ScaleOptions scale;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
               edit = "none", resolution = "128", device = "auto", axes, scheduler = "device", present = "auto",
-              symmetry;
+              symmetry, theme, textSize;
   bool hidesCamera = false, rumble = false, realtime = false, keepUnreliable = false;
   PrepareOptions prepare;
   double rate_Hz = 1000, undoMemory_MiB = 1024;
@@ -133,6 +134,8 @@ void view(Context& context, const ViewCommandOptions& options) {
     view.session.undo.disk_bytes = kDisk * view.session.undo.bytes;
   }
 
+  if (!options.theme.empty()) view.dark = valueNamed(kThemes, options.theme);
+  if (!options.textSize.empty()) view.text_percent = valueNamed(kTextSizes, options.textSize);
   const std::unique_ptr<Window> shown = openWindow(view);
   Window& window = *shown;
   for (const auto& [name, presentation] : kPresentations)
@@ -154,6 +157,10 @@ void view(Context& context, const ViewCommandOptions& options) {
 // The window itself, and the script that plays in it.
 void addWindowOptions(Options& sub, ViewCommandOptions& options) {
   sub.add("--size", options.size, "size of the window, WIDTHxHEIGHT, pixels").showDefault();
+  sub.add("--theme", options.theme, "dark or light panels and background; default: as the window was last")
+      .check(oneOf({"dark", "light"}));
+  sub.add("--text-size", options.textSize, "size of the panels and their text, %; default: as the window was last")
+      .check(oneOf(namesOf(kTextSizes)));
   sub.add("--script", options.script,
           fmt::format("play timed events, one per line: TIME_S EVENT; # comments. Events: {}", scriptEventNames()))
       .typeName("FILE");

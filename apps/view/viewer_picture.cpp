@@ -6,23 +6,23 @@
 namespace palpate {
 
 void Viewer::applySettings() {
-  gui_.setDark(settings_.view.dark);
+  gui_.setLook(settings_.view.dark, settings_.view.text_percent);
   WindowSession* session = document_.session();
   if (!session) return;
-  if (settings_.view.up != viewpoint_.fittedUp()) fitCamera();
+  if (settings_.view.up != viewpoint_.fittedUp()) commands_.fitCamera();
   if (gui_.isBusy()) return;  // not in the middle of a drag
   session->setForces(settings_.forcesOn);
   messages_.tryTo([&] {
     const bool recorded = session->isRecording();
     // A held device cannot be put away: behind a question it feels, but does not sculpt.
-    BrushSettings brush = brushInHand();
-    if (document_.asks() && pointing_.isTouching()) brush.sculpts = false;
+    BrushSettings brush = hands_.brushInHand();
+    if (document_.asks() && hands_.pointing().isTouching()) brush.sculpts = false;
     session->setBrushSettings(brush);
     session->setFeel(settings_.feel);
     if (recorded && !session->isRecording())
       messages_.say("the recording has ended: a log cannot contain a change of settings");
   });
-  brushNotes_.noteSize(*session, settings_.view, pointing_.presses(), messages_);
+  brushNotes_.noteSize(*session, settings_.view, hands_.pointing().presses(), messages_);
 }
 
 // After a change of the window's width: closes panels that would cover the model.
@@ -44,9 +44,9 @@ bool Viewer::draw(double dt_s) {
   if (!screen_.isVisible()) return false;
 
   gui_.begin(screen_.size_px(), dt_s);
-  const ViewCommands commands = panels_.draw(status(), settings_);
+  const ViewCommands commands = panels_.draw(report_.status(), settings_);
   const PanelShapes panels = gui_.end();
-  carryOut(commands);
+  commands_.carryOut(commands);
   applySettings();
   // From here on the resources of the last frame are overwritten.
   screen_.waitForLast();
@@ -65,26 +65,14 @@ bool Viewer::draw(double dt_s) {
     layers.model = &shown_.picture();
     viewpoint_.project(settings_.view.orthographic);
     viewpoint_.setDepthRange(session->bounds(), session->longestSide());
-    layers.modelDiffers = shown_.aim(*session, viewpoint_.camera(), settings_.view,
-                                     pointing_.isTouching() || session->isPlaying(), pointing_.cursor_px());
+    layers.modelDiffers =
+        shown_.aim(*session, viewpoint_.camera(), settings_.view,
+                   hands_.pointing().isTouching() || session->isPlaying(), hands_.pointing().cursor_px());
     layers.drawModel = [&](CommandList& list) { shown_.record(list, *session, screen_.size_px()); };
   }
   const bool isShown = screen_.show(layers);
   screen_.writeKept(messages_);
   return isShown;
-}
-
-void Viewer::savePicture() {
-  WindowSession& session = *document_.session();
-  if (!screen_.isVisible()) return;
-  screen_.waitForLast();
-  session.drawn().closeSurface();
-  Camera camera = viewpoint_.camera();
-  camera.setDepthRange(session.bounds(), session.longestSide());
-  const std::string file = document_.freeName("", "png");
-  writeImage(file, shown_.picture(session, camera, settings_.view, pointing_.isTouching() || session.isPlaying(),
-                                  screen_.size_px(), measure_));
-  messages_.say("picture written to " + file);
 }
 
 }  // namespace palpate

@@ -128,6 +128,21 @@ void Window::resize(const UVec2& size_px) {
 
 void Window::minimise(bool on) { on ? glfwIconifyWindow(window_) : glfwRestoreWindow(window_); }
 
+void Window::setFullScreen(bool on) {
+  auto& [left, top, width, height] = windowed_;
+  if (on == (width > 0)) return;
+  if (!on) {
+    glfwSetWindowMonitor(window_, nullptr, left, top, width, height, GLFW_DONT_CARE);
+    windowed_ = {};
+    return;
+  }
+  glfwGetWindowPos(window_, &left, &top);
+  glfwGetWindowSize(window_, &width, &height);
+  GLFWmonitor* const monitor = glfwGetPrimaryMonitor();
+  if (const GLFWvidmode* const mode = monitor ? glfwGetVideoMode(monitor) : nullptr)
+    glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
+
 void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
 void Window::showCursor(bool on) {
@@ -165,7 +180,7 @@ double Window::scale() const {
 namespace {
 
 // In addition to letters and digits.
-constexpr std::array<std::pair<std::string_view, int>, 26> kKeyNames{{{"space", GLFW_KEY_SPACE},
+constexpr std::array<std::pair<std::string_view, int>, 24> kKeyNames{{{"space", GLFW_KEY_SPACE},
                                                                       {"escape", GLFW_KEY_ESCAPE},
                                                                       {"enter", GLFW_KEY_ENTER},
                                                                       {"tab", GLFW_KEY_TAB},
@@ -188,9 +203,7 @@ constexpr std::array<std::pair<std::string_view, int>, 26> kKeyNames{{{"space", 
                                                                       {"-", GLFW_KEY_MINUS},
                                                                       {",", GLFW_KEY_COMMA},
                                                                       {".", GLFW_KEY_PERIOD},
-                                                                      {"/", GLFW_KEY_SLASH},
-                                                                      {"f1", GLFW_KEY_F1},
-                                                                      {"f2", GLFW_KEY_F2}}};
+                                                                      {"/", GLFW_KEY_SLASH}}};
 
 char lowered(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
@@ -201,6 +214,9 @@ std::optional<int> keyNamed(std::string_view name) {
   std::ranges::transform(lower, lower.begin(), lowered);
   const auto known = std::ranges::find(kKeyNames, lower, &std::pair<std::string_view, int>::first);
   if (known != kKeyNames.end()) return known->second;
+  constexpr int kFunctionKeys = 12;
+  for (int k = 0; k < kFunctionKeys; ++k)
+    if (lower == "f" + std::to_string(k + 1)) return GLFW_KEY_F1 + k;
   if (lower.size() != 1) return std::nullopt;
   const char c = lower[0];
   if (c >= 'a' && c <= 'z') return GLFW_KEY_A + (c - 'a');
@@ -209,7 +225,7 @@ std::optional<int> keyNamed(std::string_view name) {
 }
 
 std::string keyNames() {
-  std::string all = "a to z 0 to 9";
+  std::string all = "a to z 0 to 9 f1 to f12";
   for (const auto& [name, key] : kKeyNames) all.append(" ").append(name);
   return all;
 }

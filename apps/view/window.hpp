@@ -41,6 +41,8 @@ class Window {
   bool isMinimised() const;
   void resize(const UVec2& size_px);
   void minimise(bool on);
+  /// Covers the whole monitor, or is a window again where it was.
+  void setFullScreen(bool on);
   void setTitle(const std::string& title);
   /// Shows or hides the window system's cursor.
   void showCursor(bool on);
@@ -53,6 +55,7 @@ class Window {
  private:
   GLFWwindow* window_ = nullptr;
   std::vector<WindowEvent> events_;
+  std::array<int, 4> windowed_{};  // left, top, width and height before full screen; 0: it is not
 };
 
 /// GLFW number of a key by its name in a script ("z", "space", "ctrl", "left", "f1", …), case-insensitive; nothing for

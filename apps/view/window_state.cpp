@@ -4,6 +4,7 @@
 #include <array>
 
 #include "apps/cli/sharing_results.hpp"
+#include "apps/view/theme.hpp"
 
 namespace palpate {
 
@@ -116,6 +117,7 @@ constexpr Reported<WindowState> kWindow[]{
      [](const WindowState& w) -> Value {
        return Json{w.size_px.x, w.size_px.y};
      }},
+    {"scale", "", "pixels per unit of the panels: of the screen, times the size of text", field<&WindowState::scale>},
     {"tool", "", "brush, or feel; null: no model is open",
      [](const WindowState& w) -> Value {
        return w.session() ? Json(toolOf(w.session()->brushSettings())) : Json(nullptr);
@@ -212,6 +214,14 @@ constexpr Reported<WindowState> kWindow[]{
     {"blocked", "", "why nothing under the pressed brush moves: too thin here, or no room here; empty: it moves",
      [](const WindowState& w) -> Value { return w.blocked; }},
     {"errors", "", "shown errors", [](const WindowState& w) -> Value { return w.messages.errors(); }},
+    {"status_line", "", "text of the status line; empty: it is not shown",
+     [](const WindowState& w) -> Value { return w.statusLine; }},
+    {"theme", "", "dark or light", [](const WindowState& w) -> Value { return nameOf(kThemes, w.view.dark); }},
+    {"text_size", "%", "size of the panels and their text",
+     [](const WindowState& w) -> Value { return w.view.text_percent; }},
+    {"help", "", "whether the help is shown", [](const WindowState& w) -> Value { return w.view.help; }},
+    {"first_steps", "", "whether the first steps are shown",
+     [](const WindowState& w) -> Value { return w.view.firstSteps; }},
     {"panels", "", "whether the panels are shown", [](const WindowState& w) -> Value { return w.view.panels; }},
     {"measuring", "", "whether the left button picks positions",
      [](const WindowState& w) -> Value { return w.view.measures; }},

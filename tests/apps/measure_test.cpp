@@ -113,17 +113,17 @@ TEST_CASE("a picked position is a point of the cloud within 5 pixels, else it is
 TEST_CASE("a new scale is set only after the user has decided what happens to unsaved changes") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 480x600 --rate 250 --edit push --backend cpu", sphereOf(3000), R"(
-0.1 mouse 373 300
+0.1 mouse 132 300
 0.4 key space down
 0.5 button left down
 1.3 button left up
 1.4 key space up
 1.5 ask
 1.6 key d
-1.7 mouse 348 275
+1.7 mouse 107 275
 1.9 button left down
 1.9 button left up
-2.0 mouse 398 320
+2.0 mouse 157 320
 2.2 button left down
 2.2 button left up
 2.4 click true length, mm

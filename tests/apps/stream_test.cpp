@@ -218,7 +218,7 @@ TEST_CASE("the window sculpts, undoes and saves a held frame, and playback conti
 0.5 key k
 0.6 impatient
 0.7 patient
-0.8 mouse 373 180
+0.8 mouse 132 180
 0.9 key space down
 1.0 button left down
 1.1 wheel 4

@@ -152,7 +152,7 @@ TEST_CASE("a film is made by ffmpeg, and without it the error says what to do") 
 TEST_CASE("the window's view becomes orthographic and back by a key, and is touched as it is seen") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 480x360 --rate 250", sphereOf(5000), R"(
-0.1 mouse 373 180
+0.1 mouse 132 180
 0.2 state %/begin.json
 0.3 key ctrl+8
 0.5 state %/ortho.json

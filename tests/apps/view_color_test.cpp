@@ -199,8 +199,8 @@ TEST_CASE("the window colours by a field, selects its range, and changes nothing
   CHECK(std::stod(dragged[isLow ? "low" : "high"].get<std::string>()) == within(29.5, 2));
   CHECK(contentOf(played->folder.path() / "before.ply") == contentOf(played->folder.path() / "after.ply"));
   const Picture plain(played->folder.path() / "plain.png"), colored(played->folder.path() / "shown.png");
-  CHECK(differing(plain, colored, 588, 300, 40) > 3000);
-  CHECK(differing(plain, colored, 870, 450, 20) > 30);  // the legend
+  CHECK(differing(plain, colored, 347, 300, 40) > 3000);
+  CHECK(differing(plain, colored, 622, 428, 20) > 30);  // the legend
   // Triangles have the colours of their points, until these have their own again.
   const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
   const auto hue = [&](const char* name, double across) { return hueAt(picture(name), across, 0.8); };
@@ -273,7 +273,7 @@ TEST_CASE(
   if (!hasDisplay()) return;
   const auto stroke = [](double from_s, int y) {
     return fmt::format(
-        "{0:.1f} mouse 480 {3}\n{1:.1f} button left down\n{1:.1f} mouse 600 {3}\n{2:.1f} mouse 700 {3}\n"
+        "{0:.1f} mouse 239 {3}\n{1:.1f} button left down\n{1:.1f} mouse 359 {3}\n{2:.1f} mouse 459 {3}\n"
         "{2:.1f} button left up\n",
         from_s, from_s + 0.2, from_s + 0.4, y);
   };
@@ -317,10 +317,10 @@ TEST_CASE(
   const auto played = playWell("%/sheets.ply --size 900x600 --rate 250 --up y --edit push --color-by z", makeSheets, R"(
 0.1 key ctrl+1
 0.3 state %/before.json
-0.4 mouse 588 300
+0.4 mouse 347 300
 0.6 key space down
 0.7 button left down
-1.3 mouse 640 300
+1.3 mouse 399 300
 1.6 button left up
 1.7 key space up
 2.5 state %/after.json

@@ -98,7 +98,7 @@ TEST_CASE("a small window says why each kind of device cannot be used, and its t
 0.3 click Look for devices
 3.0 state %/found.json
 3.1 screenshot %/pointed.png
-3.2 mouse 400 200
+3.2 mouse 159 200
 3.5 screenshot %/beside.png
 3.6 quit
 )");

@@ -20,7 +20,7 @@ auto pushOnPlate(double thickness, const std::string& script) {
 TEST_CASE("a drag makes the same stroke however its events fall into pictures") {
   if (!hasDisplay()) return;
   const auto saved = [](const std::string& pause) {
-    std::string script = "0.1 mouse 418 210\n0.3 key space down\n0.6 button left down\n";
+    std::string script = "0.1 mouse 177 210\n0.3 key space down\n0.6 button left down\n";
     for (int i = 0; i < 40; ++i) {
       script += fmt::format("{} mouse {} {}\n", 0.65 + 0.011 * i, 418 + 2 * i, 210 + i % 7);
       if (i % 9 == 2) script += pause.empty() ? "" : fmt::format("{} {}\n", 0.65 + 0.011 * i, pause);
@@ -36,14 +36,14 @@ TEST_CASE("a drag makes the same stroke however its events fall into pictures") 
 TEST_CASE("a drag off the border of an open scan pulls no tongue") {
   if (!hasDisplay()) return;
   const auto played = pushOnPlate(0, R"(
-0.1 mouse 418 210
+0.1 mouse 177 210
 0.3 key space down
 0.6 button left down
-0.8 mouse 440 212
-0.9 mouse 558 214
-1.0 mouse 420 230
-1.1 mouse 418 418
-1.3 mouse 418 240
+0.8 mouse 199 212
+0.9 mouse 317 214
+1.0 mouse 179 230
+1.1 mouse 177 418
+1.3 mouse 177 240
 1.5 button left up
 1.8 screenshot %/after.png
 1.8 state %/after.json
@@ -66,7 +66,7 @@ TEST_CASE("a drag off the border of an open scan pulls no tongue") {
 TEST_CASE("the window says that a part is too thin for its brush, as long as the brush presses there") {
   if (!hasDisplay()) return;
   const auto played = pushOnPlate(0.8, R"(
-0.1 mouse 418 210
+0.1 mouse 177 210
 0.3 key space down
 0.5 state %/before.json
 0.6 button left down
@@ -83,7 +83,7 @@ TEST_CASE("the window says that a part is too thin for its brush, as long as the
   CHECK(pressed["blocked"] == "too thin here");
   CHECK(played->state("after.json")["blocked"] == "");
   const auto thick = pushOnPlate(12, R"(
-0.1 mouse 418 160
+0.1 mouse 177 160
 0.3 key space down
 0.6 button left down
 1.3 state %/pressed.json

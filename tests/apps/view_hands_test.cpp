@@ -28,10 +28,10 @@ TEST_CASE("the ring of the brush follows the mouse over the model, without drawi
   const auto played = playWell(kWindow, sphereOf(2000), R"(
 0.1 mouse 20 350
 0.5 state %/beside.json
-0.6 mouse 373 180
+0.6 mouse 132 180
 1.0 state %/over.json
 1.4 state %/still.json
-1.5 mouse 350 160
+1.5 mouse 109 160
 1.9 state %/moved.json
 2.0 key 1
 2.3 state %/feel.json
@@ -65,15 +65,15 @@ TEST_CASE("the ring of the brush follows the mouse over the model, without drawi
 TEST_CASE("F and a motion of the mouse change the size, Shift+F the strength; a click keeps it, Esc does not") {
   if (!hasDisplay()) return;
   const auto played = playWell(kWindow, sphereOf(2000), R"(
-0.1 mouse 373 180
+0.1 mouse 132 180
 0.4 key f
-0.5 mouse 433 180
+0.5 mouse 192 180
 0.7 state %/dragged.json
 0.8 key escape
 0.9 state %/escaped.json
-1.0 mouse 373 180
+1.0 mouse 132 180
 1.1 key f
-1.2 mouse 313 180
+1.2 mouse 72 180
 1.3 button left down
 1.3 button left up
 1.4 mouse 200 100
@@ -81,7 +81,7 @@ TEST_CASE("F and a motion of the mouse change the size, Shift+F the strength; a 
 1.6 key shift+f
 1.7 mouse 240 100
 1.8 key enter
-1.9 mouse 300 100
+1.9 mouse 59 100
 2.0 state %/stronger.json
 2.1 key 6
 2.2 key shift+f
@@ -112,7 +112,7 @@ TEST_CASE("F and a motion of the mouse change the size, Shift+F the strength; a 
 TEST_CASE("while the stylus is held Shift smooths and Ctrl inverts, also when it is released in the stroke") {
   if (!hasDisplay()) return;
   const auto played = playWell(kWindow, sphereOf(2000), R"(
-0.1 mouse 373 180
+0.1 mouse 132 180
 0.2 key shift down
 0.4 state %/without.json
 0.5 key shift up
@@ -166,32 +166,32 @@ TEST_CASE("while the stylus is held Shift smooths and Ctrl inverts, also when it
 TEST_CASE("Esc takes the stroke in hand back to the bit, and otherwise does what it did") {
   if (!hasDisplay()) return;
   const auto played = playWell(kWindow, sphereOf(2000), R"(
-0.1 mouse 373 180
+0.1 mouse 132 180
 0.3 key space down
 0.4 button left down
 0.7 button left up
 1.2 save %/one.ply
 1.4 state %/one.json
-1.5 mouse 340 150
+1.5 mouse 99 150
 1.7 button left down
-1.8 mouse 380 200
+1.8 mouse 139 200
 2.2 state %/stroking.json
 2.2 key escape
-2.4 mouse 300 150
+2.4 mouse 59 150
 2.6 state %/taken.json
 2.6 save %/taken.ply
 2.8 button left up
 3.2 state %/after.json
 3.25 key ctrl down
 3.3 button left down
-3.5 mouse 320 160
+3.5 mouse 79 160
 3.7 key ctrl+escape
 3.8 button left up
 3.9 key ctrl up
 4.1 state %/inverted.json
 4.1 key ctrl+shift+z
 4.3 state %/redo.json
-4.3 mouse 373 180
+4.3 mouse 132 180
 4.5 button left down
 4.8 button left up
 5.2 state %/two.json
@@ -223,7 +223,7 @@ TEST_CASE("Esc takes the stroke in hand back to the bit, and otherwise does what
 TEST_CASE("symmetry is chosen by an option, in the panel, or as the plane of the selection, and is shown") {
   if (!hasDisplay()) return;
   constexpr const char* kStroke = R"(
-0.1 mouse 390 180
+0.1 mouse 149 180
 0.3 key space down
 0.4 button left down
 0.7 button left up
@@ -244,7 +244,7 @@ TEST_CASE("symmetry is chosen by an option, in the panel, or as the plane of the
 2.7 key enter
 2.9 click Mirror here
 3.1 state %/plane.json
-3.2 mouse 390 180
+3.2 mouse 149 180
 3.4 key space down
 3.5 button left down
 3.8 button left up
@@ -265,7 +265,7 @@ TEST_CASE("symmetry is chosen by an option, in the panel, or as the plane of the
   CHECK(played->state("plane.json")["mouse"] == "sculpting");
   // Its lines stand beside the sphere.
   const Picture on(path / "on.png"), off(path / "off.png");
-  CHECK(differing(on, off, 378, 80, 15) > 5);
+  CHECK(differing(on, off, 137, 80, 15) > 5);
 }
 
 TEST_CASE("a plane of symmetry that is none is refused before a window opens") {

@@ -21,16 +21,16 @@ struct Eye {
 TEST_CASE("the mouse and the keys move the view") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 480x360 --rate 250", sphereOf(2000), R"(
-0.1 mouse 373 180
+0.1 mouse 132 180
 0.2 state %/still.json
 0.4 state %/begin.json
 0.5 button middle down
-0.6 mouse 413 200
+0.6 mouse 172 200
 0.7 button middle up
 0.8 state %/panned.json
 0.9 key shift down
 0.9 button left down
-1.0 mouse 373 180
+1.0 mouse 132 180
 1.1 button left up
 1.1 key shift up
 1.2 state %/back.json
@@ -38,7 +38,7 @@ TEST_CASE("the mouse and the keys move the view") {
 1.4 state %/near.json
 1.5 key r
 1.6 state %/fitted.json
-1.7 mouse 403 205
+1.7 mouse 162 205
 2.0 button left down
 2.0 button left up
 2.0 button left down
@@ -83,10 +83,10 @@ TEST_CASE("a first click measures, even directly after the start or after a curs
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 480x360 --rate 250", sphereOf(2000), R"(
 0 key d
-0 mouse 353 160
+0 mouse 112 160
 0 button left down
 0 button left up
-0 mouse 393 200
+0 mouse 152 200
 0 button left down
 0 button left up
 0 state %/measured.json
@@ -97,7 +97,7 @@ TEST_CASE("a first click measures, even directly after the start or after a curs
 
 TEST_CASE("keys choose the brush, keep the stylus engaged and switch the forces off and on") {
   if (!hasDisplay()) return;
-  std::string script = "0.1 mouse 373 180\n0.4 state %/begin.json\n";
+  std::string script = "0.1 mouse 132 180\n0.4 state %/begin.json\n";
   for (std::size_t key = 1; key <= kBrushKinds.size() + 1; ++key) {
     const double time_s = 0.5 + 0.4 * static_cast<double>(key - 1);
     script += fmt::format("{:.1f} key {}\n{:.1f} state %/tool{}.json\n", time_s, key, time_s + 0.2, key);
@@ -147,7 +147,7 @@ TEST_CASE("keys choose the brush, keep the stylus engaged and switch the forces 
 TEST_CASE("help, curves, colours, background and screenshots follow their keys") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 800x600 --rate 250", sphereOf(2000), R"(
-0.1 mouse 400 590
+0.1 mouse 159 590
 0.4 screenshot %/begin.png
 0.5 key c
 0.8 screenshot %/bare.png
@@ -160,7 +160,9 @@ TEST_CASE("help, curves, colours, background and screenshots follow their keys")
 1.7 click colour by
 1.9 click normal
 2.2 screenshot %/normals.png
-2.3 click dark
+2.2 click Look
+2.3 click theme
+2.4 click light
 2.6 screenshot %/light.png
 2.7 key p
 2.9 key p
@@ -170,17 +172,17 @@ TEST_CASE("help, curves, colours, background and screenshots follow their keys")
   const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
   const Picture begin = picture("begin.png"), bare = picture("bare.png"), helped = picture("help.png"),
                 normals = picture("normals.png"), light = picture("light.png");
-  CHECK(differing(begin, bare, 700, 60, 40) > 500);  // the curves are hidden, and
-  CHECK(differing(begin, bare, 130, 300, 40) == 0);  // the panel remains
+  CHECK(differing(begin, bare, 430, 60, 40) > 500);  // the curves are hidden, and
+  CHECK(differing(begin, bare, 670, 300, 40) == 0);  // the panel remains
   CHECK(differing(bare, helped, 400, 300, 40) > 500);
-  CHECK(differing(bare, normals, 400, 300, 40) > 500);
-  CHECK(bare.at(780, 300)[0] < 110);
-  CHECK(light.at(780, 300)[0] > 200);
+  CHECK(differing(bare, normals, 162, 300, 40) > 500);
+  CHECK(bare.at(500, 500)[0] < 110);
+  CHECK(light.at(500, 500)[0] > 200);
   // Screenshots are written to the working directory, and none overwrites another.
   const Picture first = picture("sphere-1.png"), second = picture("sphere-2.png");
   CHECK(first.width == 800);
-  CHECK(differing(first, light, 400, 300, 40) == 0);
-  CHECK(differing(first, light, 130, 300, 40) > 500);  // without the panel
+  CHECK(differing(first, light, 162, 300, 40) == 0);
+  CHECK(differing(first, light, 670, 300, 40) > 500);  // without the panel
   CHECK(std::string(played->state("last.json")["last_message"]).find("sphere-2.png") != std::string::npos);
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 // Presses the brush into the middle of the area that the panel leaves free in a window of 480 x 360.
 std::string strokeAt(double time_s) {
-  return fmt::format("{} mouse 373 180\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
+  return fmt::format("{} mouse 132 180\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
                      time_s, time_s + 0.2, time_s + 0.3, time_s + 0.6, time_s + 0.7);
 }
 
@@ -82,10 +82,10 @@ TEST_CASE("a model saved under another name has that file from then on, and a fi
 1.6 drop %/none.ply
 1.8 state %/none.json
 1.9 key d
-2.0 mouse 353 160
+2.0 mouse 112 160
 2.2 button left down
 2.2 button left up
-2.4 mouse 393 200
+2.4 mouse 152 200
 2.6 button left down
 2.6 button left up
 2.7 click true length, mm
@@ -122,8 +122,8 @@ TEST_CASE("a question in the window ends the stroke, and none starts behind it")
 1.5 state %/pressing.json
 1.6 quit
 1.8 state %/asked.json
-1.9 mouse 340 160
-2.1 mouse 390 200
+1.9 mouse 99 160
+2.1 mouse 149 200
 2.3 state %/later.json
 2.4 click Cancel
 2.6 state %/cancelled.json

@@ -14,7 +14,7 @@ void makeTwo(const std::filesystem::path& folder) {
 
 // Presses the brush into the middle of the area that the panel leaves free in a window of 480 x 360.
 constexpr const char* kStroke = R"(
-0.1 mouse 373 180
+0.1 mouse 132 180
 0.4 key space down
 0.5 button left down
 1.3 button left up
@@ -29,7 +29,7 @@ TEST_CASE("the curves pause, and are exported to CSV files, none of which overwr
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 800x400 --rate 500", makeTwo, R"(
 0.1 key c
-0.1 mouse 408 200
+0.1 mouse 167 200
 0.4 key space down
 0.5 button left down
 1.6 state %/pressed.json
@@ -50,7 +50,7 @@ TEST_CASE("the curves pause, and are exported to CSV files, none of which overwr
   const Picture paused = picture("paused.png"), later = picture("later.png"), on = picture("on.png");
   // The curve of tick durations, between its edges: no two sections of it are equal.
   int pausedMoved = 0, moved = 0;
-  for (const int x : {600, 660, 720}) {
+  for (const int x : {340, 420, 500}) {
     pausedMoved += differing(paused, later, x, 172, 14);
     moved += differing(paused, on, x, 172, 14);
   }
@@ -88,7 +88,8 @@ TEST_CASE("the model is centred in the area that the panels leave free, in dark 
 1.7 screenshot %/bare.png
 1.8 key tab
 1.9 click Look
-2.1 click dark
+2.0 click theme
+2.2 click light
 2.4 screenshot %/light.png
 2.5 quit
 )");
@@ -110,14 +111,14 @@ TEST_CASE("the model is centred in the area that the panels leave free, in dark 
     CHECK(std::abs((first + last) / 2 - expected) < 20);  // its shadow side is hardly brown
     CHECK(last - first > 150);
   };
-  checkMiddle("large.png", (276 + 1011) / 2);  // the curves are on the other side
-  checkMiddle("small.png", (276 + 600) / 2);
-  CHECK(columnsOf("small.png").first > 276);
+  checkMiddle("large.png", (42 + 763) / 2);  // the curves are on the other side
+  checkMiddle("small.png", (42 + 352) / 2);
+  CHECK(columnsOf("small.png").second < 352);
   checkMiddle("bare.png", 300);
   // Check boxes stand out from the light panel: some line of it is darker than both of its neighbours.
   const Picture light(played->folder.path() / "light.png");
   int lines = 0;
-  for (int x = 12; x < 30; ++x)
+  for (int x = 366; x < 388; ++x)
     for (int y = 20; y < 390; ++y)
       if (light.at(x, y)[0] + 20 < light.at(x, y - 1)[0] && light.at(x, y)[0] + 20 < light.at(x, y + 1)[0]) ++lines;
   CHECK(lines > 40);
@@ -170,7 +171,7 @@ TEST_CASE("changes are saved first if the user chooses so, and the window closes
 2.3 state %/torus.json
 2.4 drop %/sphere.ply
 2.6 state %/again.json
-2.7 mouse 373 180
+2.7 mouse 132 180
 3.0 key space down
 3.1 button left down
 4.1 button left up
@@ -271,7 +272,7 @@ TEST_CASE("the panels choose the surface, save under another name, record and re
 1.1 click session.log
 1.2 text take.log
 1.3 click Record
-1.5 mouse 373 300
+1.5 mouse 132 300
 1.8 key space down
 1.9 button left down
 2.5 button left up

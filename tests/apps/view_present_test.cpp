@@ -71,7 +71,7 @@ std::unique_ptr<Shown> show(const std::string& options, int depth) {
 
 // Number of pixels in the model's part of the window that differ by more than `tolerance` in some channel.
 int wrongPixels(const Screen& screen, const Picture& picture, int tolerance) {
-  return count(380, 240, 90, [&](int x, int y) {
+  return count(139, 240, 90, [&](int x, int y) {
     const auto a = screen.at(x, y), b = picture.at(x, y);
     return std::abs(a[0] - b[0]) > tolerance || std::abs(a[1] - b[1]) > tolerance || std::abs(a[2] - b[2]) > tolerance;
   });
@@ -100,7 +100,7 @@ TEST_CASE("the screen shows the drawn picture, presented by the GPU or copied, a
     CHECK(picture.width == 600);
     CHECK(wrongPixels(screen, picture, each.tolerance) == 0);
     // The picture contains the model, not only the background.
-    CHECK(count(380, 240, 90, [&](int x, int y) { return picture.at(x, y) != picture.at(590, 470); }) > 5000);
+    CHECK(count(139, 240, 90, [&](int x, int y) { return picture.at(x, y) != picture.at(320, 400); }) > 5000);
   }
 }
 

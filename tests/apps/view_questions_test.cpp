@@ -7,7 +7,7 @@ namespace palpate::view_questions_test {
 
 namespace {
 
-constexpr const char* kStroke = R"(0.1 mouse 373 180
+constexpr const char* kStroke = R"(0.1 mouse 132 180
 0.3 key space down
 0.4 button left down
 0.7 button left up

@@ -139,7 +139,7 @@ TEST_CASE("the window asks before it reads a file that needs more memory than is
 TEST_CASE("the picture of a model stays until the next one is there, and strokes are refused meanwhile") {
   if (!hasDisplay()) return;
   std::string script =
-      "0.2 mouse 373 180\n0.3 key space down\n0.5 screenshot %/before.png\n0.6 impatient\n"
+      "0.2 mouse 132 180\n0.3 key space down\n0.5 screenshot %/before.png\n0.6 impatient\n"
       "0.7 drop %/torus.ply\n";
   constexpr int kLooks = 60;
   for (int i = 0; i < kLooks; ++i)
@@ -155,7 +155,7 @@ TEST_CASE("the picture of a model stays until the next one is there, and strokes
       },
       script + "7.5 patient\n7.9 state %/after.json\n8 quit\n");
   const Picture before(played->folder.path() / "before.png");
-  const auto background = before.at(470, 20);
+  const auto background = before.at(222, 20);
   int waited = 0;
   bool isRefused = false;
   for (int i = 0; i < kLooks; ++i) {
@@ -165,7 +165,7 @@ TEST_CASE("the picture of a model stays until the next one is there, and strokes
     ++waited;
     isRefused |= says(state["messages"].dump(), "no stroke: torus.ply is being opened");
     const Picture now(played->folder.path() / fmt::format("{}.png", i));
-    CHECK(now.at(373, 180) != background);
+    CHECK(now.at(132, 180) != background);
   }
   CHECK(waited > 1);
   CHECK(isRefused);

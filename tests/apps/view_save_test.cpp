@@ -22,7 +22,7 @@ void makeMesh(const std::filesystem::path& folder) {
 
 // Presses the brush into the middle of the area that the panel leaves free in a window of 480 x 360.
 std::string strokeAt(double time_s) {
-  return fmt::format("{} mouse 373 180\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
+  return fmt::format("{} mouse 132 180\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
                      time_s, time_s + 0.2, time_s + 0.3, time_s + 0.8, time_s + 0.9);
 }
 

@@ -46,7 +46,7 @@ void makePlate(const std::filesystem::path& folder) {
 // A rectangle over the whole model, which the panel does not cover.
 std::string dragAll(double from_s) {
   return fmt::format(
-      "{0:.1f} mouse 300 20\n{1:.1f} button left down\n{1:.1f} mouse 600 300\n{2:.1f} mouse 890 590\n"
+      "{0:.1f} mouse 59 20\n{1:.1f} button left down\n{1:.1f} mouse 359 300\n{2:.1f} mouse 649 590\n"
       "{2:.1f} button left up\n",
       from_s, from_s + 0.2, from_s + 0.3);
 }
@@ -140,9 +140,9 @@ TEST_CASE(
   script += click(4.2, 300, 10) + "4.4 key backspace\n4.5 key backspace\n4.6 state %/none_left.json\n";
   // Ctrl removes, both keep what is in both.
   script += "4.7 key r\n4.8 key ctrl down\n" +
-            std::string("4.9 mouse 588 10\n5.0 button left down\n5.1 mouse 890 590\n") +
+            std::string("4.9 mouse 347 10\n5.0 button left down\n5.1 mouse 649 590\n") +
             "5.2 button left up\n5.3 key ctrl up\n5.4 state %/removed.json\n";
-  script += "5.5 key ctrl down\n5.5 key shift down\n5.6 mouse 300 10\n5.7 button left down\n5.8 mouse 890 300\n";
+  script += "5.5 key ctrl down\n5.5 key shift down\n5.6 mouse 59 10\n5.7 button left down\n5.8 mouse 649 300\n";
   script += "5.9 button left up\n6.0 key shift up\n6.0 key ctrl up\n6.1 state %/quarter.json\n6.2 quit\n";
   const auto played = playWell(kSphere, sphereOf(8000), script);
   CHECK(played->state("drawn.json")["selection"]["drawn"] == true);
@@ -161,7 +161,7 @@ TEST_CASE(
 
 TEST_CASE("a lasso takes what it surrounds, moves while Space is held, and the camera stays as it was") {
   if (!hasDisplay()) return;
-  std::string script = "0.05 state %/begin.json\n0.1 key s\n0.15 key l\n0.2 mouse 500 300\n0.4 button left down\n";
+  std::string script = "0.05 state %/begin.json\n0.1 key s\n0.15 key l\n0.2 mouse 259 300\n0.4 button left down\n";
   const auto around = [&](double from_s, int x) {
     std::string text;
     for (int k = 1; k <= 12; ++k)
@@ -170,8 +170,8 @@ TEST_CASE("a lasso takes what it surrounds, moves while Space is held, and the c
     return text;
   };
   script += around(0.4, 500) + "1.1 button left up\n1.2 state %/lasso.json\n1.3 export %/lasso.ply\n";
-  script += "1.5 mouse 500 300\n1.7 button left down\n" + around(1.7, 500) +
-            "2.4 key space down\n2.5 mouse 650 300\n2.6 key space up\n2.7 state %/moved.json\n2.8 button left up\n" +
+  script += "1.5 mouse 259 300\n1.7 button left down\n" + around(1.7, 500) +
+            "2.4 key space down\n2.5 mouse 409 300\n2.6 key space up\n2.7 state %/moved.json\n2.8 button left up\n" +
             "3.0 export %/moved.ply\n3.2 state %/end.json\n3.3 quit\n";
   const auto played = playWell(kSphere, sphereOf(8000), script);
   const PointCloud lasso = cloudOf(*played, "lasso.ply"), moved = cloudOf(*played, "moved.ply");
@@ -194,10 +194,10 @@ TEST_CASE("a brush, a flood, growing, shrinking, inverting and hiding select wha
   const auto played = playWell(kSphere, sphereOf(8000), R"(
 0.1 key s
 0.2 key b
-0.3 mouse 540 300
+0.3 mouse 299 300
 0.5 button left down
-0.6 mouse 580 300
-0.7 mouse 640 300
+0.6 mouse 339 300
+0.7 mouse 399 300
 0.8 button left up
 0.9 state %/brushed.json
 1.0 key ]
@@ -210,7 +210,7 @@ TEST_CASE("a brush, a flood, growing, shrinking, inverting and hiding select wha
 1.7 key ctrl+shift+a
 1.8 state %/none.json
 1.9 key o
-2.0 mouse 588 300
+2.0 mouse 347 300
 2.2 button left down
 2.2 button left up
 2.4 state %/flooded.json
@@ -220,9 +220,9 @@ TEST_CASE("a brush, a flood, growing, shrinking, inverting and hiding select wha
 2.9 key ctrl+z
 3.0 key h
 3.2 state %/hidden.json
-3.3 mouse 700 500
+3.3 mouse 459 500
 3.4 button right down
-3.5 mouse 760 520
+3.5 mouse 519 520
 3.6 button right up
 3.7 state %/turned.json
 3.8 key ctrl+a
@@ -275,7 +275,7 @@ TEST_CASE("a class that is set to the selected points is in the saved LAS file, 
 2.1 state %/refused.json
 2.2 save %/classes.las
 3.0 key e
-3.1 mouse 588 300
+3.1 mouse 347 300
 3.2 key ctrl+shift+a
 3.4 button left down
 3.4 button left up
@@ -386,7 +386,7 @@ TEST_CASE("each tool has its keys: S selects and goes back, V only looks, a numb
 1.0 state %/back.json
 1.1 key v
 1.2 key space down
-1.3 mouse 588 300
+1.3 mouse 347 300
 1.5 state %/looking.json
 1.6 key space up
 1.7 key 3

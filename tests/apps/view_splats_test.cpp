@@ -33,10 +33,10 @@ TEST_CASE(
       [&](const auto& folder) { std::ofstream(folder / "scene.ply", std::ios::binary) << scene.bytes(); }, R"(
 0.1 key s
 0.2 key t
-0.4 mouse 620 180
+0.4 mouse 379 180
 0.5 button left down
-0.6 mouse 740 300
-0.7 mouse 860 420
+0.6 mouse 499 300
+0.7 mouse 619 420
 0.7 button left up
 1.0 state %/selected.json
 1.0 screenshot %/selected.png
@@ -46,7 +46,7 @@ TEST_CASE(
 2.2 state %/cut.json
 2.3 save %/cut.ply
 3.0 key 2
-3.2 mouse 746 300
+3.2 mouse 505 300
 3.4 key space down
 3.5 button left down
 4.0 button left up
@@ -99,7 +99,7 @@ TEST_CASE("a splat scene is saved in its own file after a question, as splats") 
   const auto played = playWell(
       "%/scene.ply --size 480x360 --rate 250 --edit push --backend cpu",
       [&](const auto& folder) { std::ofstream(folder / "scene.ply", std::ios::binary) << scene.bytes(); }, R"(
-0.1 mouse 373 180
+0.1 mouse 132 180
 0.3 key space down
 0.4 button left down
 0.9 button left up

@@ -8,7 +8,7 @@ namespace palpate::view_stream_test {
 
 TEST_CASE("a depth camera that is paused and sculpted keeps its picture and points, and is saved beside its folder") {
   if (!hasDisplay()) return;
-  std::string script = "0.2 mouse 373 180\n";
+  std::string script = "0.2 mouse 132 180\n";
   for (int i = 0; i < 12; ++i) script += "0.3 key ]\n";  // the points are far apart
   script += "0.4 key k\n0.7 state %/paused.json\n0.8 key space down\n0.9 impatient\n1.0 key 2\n";
   constexpr int kLooks = 40;

@@ -46,7 +46,7 @@ TEST_CASE("each press of the button is one stroke, even a quick one or one acros
   const auto played = playWell(
       "%/cube.ply --size 560x420 --edit push",
       [](const std::filesystem::path& folder) { works("make cube -n 6000 -o " + (folder / "cube.ply").string()); }, R"(
-0.1 mouse 418 210
+0.1 mouse 177 210
 0.3 key Space down
 0.6 button left down
 0.75 button left up
@@ -55,14 +55,14 @@ TEST_CASE("each press of the button is one stroke, even a quick one or one acros
 1.6 state %/quick.json
 1.7 key Ctrl+Z
 1.8 state %/once.json
-1.9 mouse 380 210
+1.9 mouse 139 210
 2.0 button left down
-2.2 mouse 400 210
-2.4 mouse 430 210
-2.6 mouse 460 210
-2.8 mouse 540 210
-3.0 mouse 440 210
-3.2 mouse 410 210
+2.2 mouse 159 210
+2.4 mouse 189 210
+2.6 mouse 219 210
+2.8 mouse 299 210
+3.0 mouse 199 210
+3.2 mouse 169 210
 3.4 button left up
 4.0 state %/over.json
 4.1 quit
@@ -81,10 +81,10 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
         std::ofstream(folder / "broken.ply") << kBroken;
       },
       R"(
-0.1 mouse 550 20
+0.1 mouse 309 20
 0.4 screenshot %/before.png
 0.4 state %/before.json
-0.45 mouse 418 210
+0.45 mouse 177 210
 0.5 key Space down
 0.7 button left down
 1.1 wheel 6
@@ -92,7 +92,7 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
 2.0 state %/touch.json
 2.1 button left up
 2.2 key space up
-2.3 mouse 550 20
+2.3 mouse 309 20
 2.6 screenshot %/dent.png
 2.6 state %/dent.json
 2.7 drop %/broken.ply
@@ -104,9 +104,9 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
 4.0 state %/undone.json
 4.1 key ctrl+shift+z
 4.3 state %/redone.json
-4.4 mouse 398 220
+4.4 mouse 157 220
 4.5 button left down
-4.6 mouse 478 210
+4.6 mouse 237 210
 4.7 button left up
 4.8 state %/turned.json
 4.9 resize 480 360
@@ -150,28 +150,28 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
 
   const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
   const Picture first = picture("before.png"), touching = picture("touch.png"), dented = picture("dent.png");
-  CHECK(ringPixels(first, 418, 210) == 0);
-  CHECK(ringPixels(touching, 418, 210) > 30);
-  CHECK(ringPixels(dented, 418, 210) == 0);
-  CHECK(differing(first, dented, 418, 200, 40) > 100);  // the dent
+  CHECK(ringPixels(first, 177, 210) == 0);
+  CHECK(ringPixels(touching, 177, 210) > 30);
+  CHECK(ringPixels(dented, 177, 210) == 0);
+  CHECK(differing(first, dented, 177, 200, 40) > 100);  // the dent
   // Above the messages, whose height depends on the length of the folder's name.
-  if (dent["undo_count"] == 1) CHECK(differing(first, picture("undone.png"), 418, 200, 40) < 10);
-  CHECK(differing(first, dented, 480, 250, 10) == 0);  // and the rest is unchanged
+  if (dent["undo_count"] == 1) CHECK(differing(first, picture("undone.png"), 177, 200, 40) < 10);
+  CHECK(differing(first, dented, 239, 250, 10) == 0);  // and the rest is unchanged
   // The panel: darker than the background beside it.
-  CHECK(first.at(200, 40)[0] < first.at(330, 40)[0]);
+  CHECK(first.at(500, 200)[0] < first.at(290, 40)[0]);
 }
 
 TEST_CASE("a second press at one position meets the surface, however soon the cursor arrives before it") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 480x360 --rate 250", sphereOf(3000), R"(
-0.1 mouse 373 180
+0.1 mouse 132 180
 0.5 key space down
 0.7 button left down
 1.5 state %/first.json
 1.6 button left up
 1.7 key space up
-1.8 mouse 470 350
-2.1 mouse 373 180
+1.8 mouse 229 350
+2.1 mouse 132 180
 2.1 key space down
 2.1 button left down
 3.1 state %/second.json
@@ -188,9 +188,9 @@ TEST_CASE("a second press at one position meets the surface, however soon the cu
 TEST_CASE("a press acts where the cursor is, not on the stylus's way there, however quickly it follows a motion") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 560x420 --edit push", sphereOf(), R"(
-0.1 mouse 360 280
+0.1 mouse 119 280
 0.3 key space down
-0.6 mouse 470 160
+0.6 mouse 229 160
 0.6 button left down
 1.2 state %/pressed.json
 1.3 button left up
@@ -217,7 +217,7 @@ TEST_CASE("a press acts where the cursor is, not on the stylus's way there, howe
 TEST_CASE("a script runs the same ticks on any machine; in real time ticks of a stylus that moves follow the clock") {
   if (!hasDisplay()) return;
   const std::string script = R"(
-0.1 mouse 335 120
+0.1 mouse 94 120
 0.5 key space down
 0.7 state %/held.json
 0.7 button left down
@@ -250,7 +250,7 @@ TEST_CASE("a script runs the same ticks on any machine; in real time ticks of a 
 TEST_CASE("the cap of a 3D mouse moves the model, or the stylus once its first button has grabbed it") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 480x360 --rate 250", sphereOf(3000), R"(
-0.1 mouse 373 180
+0.1 mouse 132 180
 0.4 state %/begin.json
 0.5 push 0.4 0.2 0 0 0 0
 0.8 push 0 0 0 0 0 0
@@ -300,7 +300,7 @@ TEST_CASE("the cap of a 3D mouse moves the model, or the stylus once its first b
 TEST_CASE("touching, sculpting and meshing in the window cause no Vulkan validation message") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x240 --rate 250 --edit carve --resolution 32", R"(
-0.1 mouse 373 120
+0.1 mouse 132 120
 0.2 impatient
 0.3 key m
 0.3 state %/announced.json
@@ -364,7 +364,7 @@ TEST_CASE("the window can be closed while a model loads, and can load one model 
 TEST_CASE("a session recorded in the window is replayed, in the window and without one") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 480x300 --rate 250 --edit push", sphereOf(3000), R"(
-0.1 mouse 373 145
+0.1 mouse 132 145
 0.2 record %/session.log
 0.3 key space down
 0.6 button left down
@@ -391,7 +391,7 @@ TEST_CASE("a second GPU draws the model that the first one touches: edits are tr
   if (!hasDisplay()) return;
   const auto played =
       playWell("%/sphere.ply --size 480x300 --edit paint --backend vulkan --sight-gpu 0 --rate 250", sphereOf(3000), R"(
-0.1 mouse 373 145
+0.1 mouse 132 145
 0.6 screenshot %/before.png
 0.7 key space down
 1.0 button left down
@@ -406,7 +406,7 @@ TEST_CASE("a second GPU draws the model that the first one touches: edits are tr
   CHECK(painted["backend"] == "vulkan");
   CHECK(painted["edits"] > 0);
   const Picture before(played->folder.path() / "before.png"), after(played->folder.path() / "painted.png");
-  CHECK(differing(before, after, 373, 145, 30) > 20);
+  CHECK(differing(before, after, 132, 145, 30) > 20);
 }
 
 TEST_CASE("a held haptic device is felt in the window, and moves along the axes of the screen") {

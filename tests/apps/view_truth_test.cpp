@@ -159,10 +159,10 @@ TEST_CASE("Escape closes a list first, and only then the measurement or dialogue
 0.7 key escape
 0.9 click height
 1.1 state %/closed.json
-1.2 mouse 373 300
+1.2 mouse 132 300
 1.2 button left down
 1.2 button left up
-1.2 mouse 393 320
+1.2 mouse 152 320
 1.2 button left down
 1.2 button left up
 1.3 state %/measured.json

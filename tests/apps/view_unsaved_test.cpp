@@ -9,14 +9,14 @@ namespace palpate::view_unsaved_test {
 
 namespace {
 
-constexpr const char* kTwoStrokes = R"(0.1 mouse 373 180
+constexpr const char* kTwoStrokes = R"(0.1 mouse 132 180
 0.3 key space down
 0.4 button left down
 0.7 button left up
 0.8 key space up
 1.0 key ctrl+z
 1.1 key ctrl+shift+z
-1.2 mouse 350 160
+1.2 mouse 109 160
 1.3 key space down
 1.4 button left down
 1.7 button left up
@@ -222,7 +222,7 @@ TEST_CASE("strokes after a save under another name can be resumed without the fi
   Struck struck;
   strike(struck, SIGKILL,
          std::string(kTwoStrokes) +
-             "2.0 save %/n.ply\n2.9 mouse 390 200\n3.0 key space down\n3.1 button left down\n3.4 button left up\n"
+             "2.0 save %/n.ply\n2.9 mouse 149 200\n3.0 key space down\n3.1 button left down\n3.4 button left up\n"
              "3.5 key space up\n");
   const std::filesystem::path& path = struck.folder.path();
   std::filesystem::rename(path / "sphere.ply", path / "elsewhere.ply");
@@ -245,7 +245,7 @@ TEST_CASE("the question about unsaved strokes says what they change in the file 
   for (const Case& each : {Case{"undone", save + "2.8 key ctrl+z\n", 0, 1, 0},
                            Case{"all undone", save + "2.8 key ctrl+z\n2.9 key ctrl+z\n", 0, 2, 0},
                            Case{"another",
-                                save + "2.8 key ctrl+z\n2.9 mouse 390 200\n3.0 key space down\n"
+                                save + "2.8 key ctrl+z\n2.9 mouse 149 200\n3.0 key space down\n"
                                        "3.1 button left down\n3.4 button left up\n3.5 key space up\n",
                                 1, 1, 1},
                            Case{"undone without a file", "2.8 key ctrl+z\n", 1, 0, 1}}) {
@@ -354,7 +354,7 @@ TEST_CASE("sculpting continues when the disk for unsaved strokes is full, and on
   const std::string old = before ? before : "";
   ::setenv("PALPATE_PROGRAM", limited.c_str(), 1);
   const auto played = play((folder / "sphere.ply").string() + " --size 480x360 --rate 250 --edit push", R"(
-0.1 mouse 373 180
+0.1 mouse 132 180
 0.3 key space down
 0.4 button left down
 1.9 button left up
@@ -382,16 +382,16 @@ TEST_CASE("sculpting continues when the disk for unsaved strokes is full, and on
 TEST_CASE("each tap of the stylus makes a stroke of its own, and a tap beside the model makes none") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 480x360 --rate 250 --edit push", sphereOf(2000), R"(
-0.1 mouse 373 180
+0.1 mouse 132 180
 0.3 key t
-0.6 tap 373 180
+0.6 tap 132 180
 1.2 state %/once.json
-1.3 tap 350 160
-1.3 tap 395 200
+1.3 tap 109 160
+1.3 tap 154 200
 2.2 state %/thrice.json
 2.3 key ctrl+z
 2.6 state %/undone.json
-2.7 tap 474 350
+2.7 tap 233 350
 3.3 state %/beside.json
 3.4 quit
 )");
@@ -410,8 +410,8 @@ TEST_CASE("a click or key press shorter than a frame is not lost, in a panel or 
 2.1 tap 160 208
 2.3 state %/tool.json
 2.4 tap d
-2.6 tap 353 160
-2.8 tap 393 200
+2.6 tap 112 160
+2.8 tap 152 200
 3 state %/measured.json
 3.1 ask
 3.2 quit
