@@ -228,7 +228,8 @@ void Viewer::keepThumbnail() {
   if (!document_.shown() || !screen_.isVisible() || !picture.hasSize(screen_.size_px())) return;
   screen_.waitForLast();
   messages_.tryTo([&] {
-    panels_.thumbnails().keep(document_.file(), picture.frame().readColor(), free_px_ / double{picture.shrink()});
+    panels_.thumbnails().keep(document_.file(), picture.frame().readColor(),
+                              free_px_ / static_cast<double>(picture.shrink()));
   });
 }
 

@@ -181,7 +181,11 @@ TEST_CASE("help, curves, colours, background and screenshots follow their keys")
   // Screenshots are written to the working directory, and none overwrites another.
   const Picture first = picture("sphere-1.png"), second = picture("sphere-2.png");
   CHECK(first.width == 800);
-  CHECK(differing(first, light, 162, 300, 40) == 0);
+  int unlike = 0;  // the model is in the middle of its picture
+  for (int dy = -40; dy <= 40; ++dy)
+    for (int dx = -40; dx <= 40; ++dx)
+      unlike += std::abs(first.at(400 + dx, 300 + dy)[0] - light.at(162 + dx, 300 + dy)[0]) > 24;
+  CHECK(unlike < 30);
   CHECK(differing(first, light, 670, 300, 40) > 500);  // without the panel
   CHECK(std::string(played->state("last.json")["last_message"]).find("sphere-2.png") != std::string::npos);
 }
