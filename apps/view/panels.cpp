@@ -226,7 +226,7 @@ void Panels::drawModel(const ViewStatus& status) {
   if (!status.recent.empty()) ImGui::TextDisabled("recent");
   list(status.recent);
   for (const std::string& file : status.gone) {
-    ImGui::TextDisabled("%s: gone", std::filesystem::path(file).filename().string().c_str());
+    ImGui::TextDisabled("%s is missing", std::filesystem::path(file).filename().string().c_str());
     help(file + " no longer exists");
   }
 }
@@ -360,7 +360,9 @@ void Panels::drawSession(const ViewStatus& status) {
   if (replaces) ImGui::TextWrapped("%s", whatIsReplaced(saveAs_.data(), status).c_str());
   if (button("Save to...")) browse(FileTask::saveAs);
   help("Ctrl+Shift+S");
+  ImGui::PushItemWidth(em(5.5));
   field("session.log", log_);
+  ImGui::PopItemWidth();
   help(where);
   ImGui::SameLine();
   if (session.isRecording()) {

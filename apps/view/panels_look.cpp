@@ -37,7 +37,6 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
   checkbox("triangles", view.mesh);
   help("marching cubes (M); edited blocks are updated while you sculpt");
   if (view.mesh) {
-    ImGui::SameLine();
     int exponent = static_cast<int>(std::lround(std::log2(view.resolution / 32)));
     ImGui::PushItemWidth(em(5));
     if (noted("resolution", ImGui::Combo("resolution", &exponent, "32\00064\000128\000256\000512\000\000")))
@@ -80,18 +79,15 @@ void Panels::drawLight(LightConfig& light) {
 }
 
 void Panels::drawSides() {
-  constexpr std::size_t kInRow = 4;
-  const float width = 0.25f * (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x);
   for (std::size_t k = 0; k < kModelSides.size(); ++k) {
-    if (k % kInRow != 0) ImGui::SameLine();
-    post(button(kModelSides[k].first.data(), width), kModelSides[k].second);
+    post(flowing(kModelSides[k].first.data(), k == 0), kModelSides[k].second);
     help(fmt::format("Ctrl+{}: looks at this side of the model, by the up axis", k + 1));
   }
 }
 
 // Views that the user has named: each is shown by its button.
 void Panels::drawViews(const ViewStatus& status) {
-  ImGui::PushItemWidth(em(8));
+  ImGui::PushItemWidth(em(6.5));
   const bool entered = field("name of the view", viewName_);
   ImGui::PopItemWidth();
   ImGui::SameLine();
@@ -102,7 +98,7 @@ void Panels::drawViews(const ViewStatus& status) {
   help("keeps what you see now under this name, for this model");
   for (const NamedView& view : status.views) {
     ImGui::PushID(view.name.c_str());
-    post(button(view.name.c_str(), em(8)), NamedViewCommand{NamedViewCommand::What::show, view.name});
+    post(button(view.name.c_str(), em(6.5)), NamedViewCommand{NamedViewCommand::What::show, view.name});
     help("shows this view again; on the command line: render --camera \"" + view.camera + "\"");
     ImGui::SameLine();
     post(button(("Forget " + view.name).c_str()), NamedViewCommand{NamedViewCommand::What::forget, view.name});

@@ -72,13 +72,11 @@ void Panels::drawVolumeNumbers(const ViewStatus& status, SelectShape shape) {
        : shape == SelectShape::ball ? "centre and radius, x,y,z:r"
                                     : "a position and a direction, x,y,z:x,y,z");
   ImGui::BeginDisabled(volume.knobs.empty());
-  if (button(shape == SelectShape::plane ? "Select this side" : "Select inside")) post(true, SelectVolume{});
+  post(flowing(shape == SelectShape::plane ? "Select this side" : "Select inside", true), SelectVolume{});
   help("Enter; Shift+Enter adds, Ctrl+Enter removes, both keep what is in both");
   if (shape == SelectShape::plane) {
-    ImGui::SameLine();
-    post(button("Other side"), FlipPlane{});
-    ImGui::SameLine();
-    post(button("Mirror here"), MirrorAtPlane{});
+    post(flowing("Other side", false), FlipPlane{});
+    post(flowing("Mirror here", false), MirrorAtPlane{});
     help("brushes are mirrored at this plane from now on");
   }
   ImGui::EndDisabled();

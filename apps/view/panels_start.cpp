@@ -62,19 +62,24 @@ void Panels::drawStart(const ViewStatus& status, ViewSettings& view) {
   const float gap = ImGui::GetStyle().ItemSpacing.x;
   const float inner = ImGui::GetContentRegionAvail().x, third = (inner - 2 * gap) / 3;
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ink(Tone::faint)), "Three things to try");
-  for (const auto& [name, drawn, what, text] :
-       {std::tuple{"Press a ball", icon::kFeel, TryExample::press, "feel it with the mouse, or with a device"},
-        {"Carve a sculpture", icon::kOfBrushes[1], TryExample::carve, "cut hollows; Ctrl+Z takes them back"},
-        {"Measure a ring", icon::kMeasure, TryExample::measure, "click two positions: their distance is shown"}}) {
-    if (what != TryExample::press) ImGui::SameLine();
-    post(card(name, third, em(2.6),
-              [this, third, drawn](const DVec2& at, float side) {
-                drawIcon(*ImGui::GetWindowDrawList(), drawn,
-                         {static_cast<float>(at.x) + 0.5f * (third - side), static_cast<float>(at.y)}, side,
-                         ink(Tone::mark));
-              }),
-         what);
-    help(text);
+  struct Example {
+    const char* name;
+    std::string_view drawn;
+    TryExample what;
+    const char* text;
+  };
+  static constexpr std::array<Example, 3> kExamples{
+      {{"Press a ball", icon::kFeel, TryExample::press, "feel it with the mouse, or with a device"},
+       {"Carve a sculpture", icon::kOfBrushes[1], TryExample::carve, "cut hollows; Ctrl+Z takes them back"},
+       {"Measure a ring", icon::kMeasure, TryExample::measure, "click two positions: their distance is shown"}}};
+  for (const Example& each : kExamples) {
+    if (&each != kExamples.data()) ImGui::SameLine();
+    const auto draw = [&](const DVec2& at, float side) {
+      drawIcon(*ImGui::GetWindowDrawList(), each.drawn,
+               {static_cast<float>(at.x) + 0.5f * (third - side), static_cast<float>(at.y)}, side, ink(Tone::mark));
+    };
+    post(card(each.name, third, em(2.6), draw), each.what);
+    help(each.text);
   }
   drawLastFiles(status);
   if (button("First steps")) view.firstSteps = true;

@@ -62,7 +62,7 @@ std::vector<Panels::Tool> Panels::toolsOf(const ViewStatus& status, WindowSettin
     tools.push_back({"Reset view", icon::kReset, "R", "shows the whole model", false, posts(WindowCommand::resetView)});
     for (const auto& [name, drawn, axis] :
          {std::tuple{"X", icon::kAxisX, 0}, {"Y", icon::kAxisY, 1}, {"Z", icon::kAxisZ, 2}})
-      tools.push_back({name, drawn, name, "looks along this axis; with Shift from behind", false,
+      tools.push_back({name, drawn, "", "looks along this axis (the key of this letter; with Shift from behind)", false,
                        posts(LookAlong{axis, ImGui::GetIO().KeyShift})});
     tools.push_back({"Without perspective", icon::kOrthographic, "Ctrl+8", "lengths can be compared wherever they are",
                      settings.view.orthographic,
@@ -137,12 +137,14 @@ void Panels::drawStatusLine(const ViewStatus& status) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {em(0.6), em(0.2)});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
   ImGui::Begin("status", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoFocusOnAppearing |
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoFocusOnAppearing |
                    ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoBringToFrontOnFocus);
   std::string where;
-  if (status.under)
-    where = fmt::format("{} {}", coordinateText(*status.under, status.under_resolution, "  "),
-                        status.unit == LengthUnit::unknown ? "" : nameOf(status.unit));
+  if (status.under) {
+    for (int axis = 0; axis < 3; ++axis)
+      where += fmt::format("{} {}   ", "xyz"[axis], coordinateText((*status.under)[axis], status.under_resolution));
+    where += nameOf(status.unit);
+  }
   ImGui::TextUnformatted(where.c_str());
   std::vector<std::string> facts{counted(status.session->presentPoints(), "point")};
   const auto add = [&](std::uint64_t count, const char* what) {

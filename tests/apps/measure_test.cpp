@@ -88,7 +88,7 @@ TEST_CASE("a picked position is a point of the cloud within 5 pixels, else it is
     script += fmt::format(
         "{0:.1f} mouse {1} {2}\n{3:.1f} button left down\n{3:.1f} button left up\n"
         "{4:.1f} state %/{5}.json\n",
-        0.4 + 0.6 * i, 560 + 4 * i, 300 + 4 * i, 0.6 + 0.6 * i, 0.8 + 0.6 * i, i);
+        0.4 + 0.6 * i, 319 + 4 * i, 300 + 4 * i, 0.6 + 0.6 * i, 0.8 + 0.6 * i, i);
   const auto played = playWell("%/grid.xyz --size 900x600 --up z --backend cpu", grid, script + "20 quit\n");
   int snapped = 0, rounded = 0;
   for (int i = 0; i < kPicks; ++i) {

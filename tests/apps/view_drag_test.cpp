@@ -22,7 +22,7 @@ TEST_CASE("a drag makes the same stroke however its events fall into pictures") 
   const auto saved = [](const std::string& pause) {
     std::string script = "0.1 mouse 177 210\n0.3 key space down\n0.6 button left down\n";
     for (int i = 0; i < 40; ++i) {
-      script += fmt::format("{} mouse {} {}\n", 0.65 + 0.011 * i, 418 + 2 * i, 210 + i % 7);
+      script += fmt::format("{} mouse {} {}\n", 0.65 + 0.011 * i, 177 + 2 * i, 210 + i % 7);
       if (i % 9 == 2) script += pause.empty() ? "" : fmt::format("{} {}\n", 0.65 + 0.011 * i, pause);
     }
     const auto played = playWell("%/sphere.ply --size 560x420 --edit push", sphereOf(),

@@ -22,7 +22,7 @@ TEST_CASE("the mouse and the keys move the view") {
   if (!hasDisplay()) return;
   const auto played = playWell("%/sphere.ply --size 480x360 --rate 250", sphereOf(2000), R"(
 0.1 mouse 132 180
-0.2 state %/still.json
+0.3 state %/still.json
 0.4 state %/begin.json
 0.5 button middle down
 0.6 mouse 172 200

@@ -98,7 +98,7 @@ TEST_CASE("the model is centred in the area that the panels leave free, in dark 
     const Picture picture(played->folder.path() / name);
     std::pair<int, int> columns{picture.width, 0};
     for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x)
+      for (int x = 42; x < picture.width; ++x)  // beside the tools
         if (const auto p = picture.at(x, y); p[0] > p[1] + 15 && p[1] > p[2] + 8)
           columns = {std::min(columns.first, x), std::max(columns.second, x)};
     return columns;

@@ -126,18 +126,18 @@ TEST_CASE(
   std::string script = "0.1 key s\n0.15 key p\n";
   // The left half of the picture, after two wrong corners.
   script +=
-      click(0.2, 300, 10) + click(0.4, 588, 10) + click(0.6, 880, 300) + "0.8 key backspace\n" + click(0.9, 890, 310);
-  script += "1.1 key alt down\n" + click(1.15, 891, 311) + "1.3 key alt up\n";
+      click(0.2, 59, 10) + click(0.4, 347, 10) + click(0.6, 639, 300) + "0.8 key backspace\n" + click(0.9, 649, 310);
+  script += "1.1 key alt down\n" + click(1.15, 650, 311) + "1.3 key alt up\n";
   script +=
-      click(1.4, 588, 590) + click(1.6, 300, 590) + "1.8 state %/drawn.json\n1.9 key enter\n2.0 state %/left.json\n";
+      click(1.4, 347, 570) + click(1.6, 59, 570) + "1.8 state %/drawn.json\n1.9 key enter\n2.0 state %/left.json\n";
   // The right half is added, closed by the right button.
-  script += "2.1 key shift down\n" + click(2.2, 588, 10) + "2.4 key shift up\n" + click(2.5, 890, 10) +
-            click(2.7, 890, 590) + click(2.9, 588, 590) +
+  script += "2.1 key shift down\n" + click(2.2, 347, 10) + "2.4 key shift up\n" + click(2.5, 649, 10) +
+            click(2.7, 649, 570) + click(2.9, 347, 570) +
             "3.1 button right down\n3.1 button right up\n3.3 state %/both.json\n";
   // Given up; then all corners are taken back.
   script +=
-      click(3.4, 300, 10) + click(3.6, 588, 10) + click(3.8, 588, 590) + "4.0 key escape\n4.1 state %/given_up.json\n";
-  script += click(4.2, 300, 10) + "4.4 key backspace\n4.5 key backspace\n4.6 state %/none_left.json\n";
+      click(3.4, 59, 10) + click(3.6, 347, 10) + click(3.8, 347, 570) + "4.0 key escape\n4.1 state %/given_up.json\n";
+  script += click(4.2, 59, 10) + "4.4 key backspace\n4.5 key backspace\n4.6 state %/none_left.json\n";
   // Ctrl removes, both keep what is in both.
   script += "4.7 key r\n4.8 key ctrl down\n" +
             std::string("4.9 mouse 347 10\n5.0 button left down\n5.1 mouse 649 590\n") +
@@ -169,8 +169,8 @@ TEST_CASE("a lasso takes what it surrounds, moves while Space is held, and the c
                           300 + 60 * std::sin(k * 0.5236));
     return text;
   };
-  script += around(0.4, 500) + "1.1 button left up\n1.2 state %/lasso.json\n1.3 export %/lasso.ply\n";
-  script += "1.5 mouse 259 300\n1.7 button left down\n" + around(1.7, 500) +
+  script += around(0.4, 259) + "1.1 button left up\n1.2 state %/lasso.json\n1.3 export %/lasso.ply\n";
+  script += "1.5 mouse 259 300\n1.7 button left down\n" + around(1.7, 259) +
             "2.4 key space down\n2.5 mouse 409 300\n2.6 key space up\n2.7 state %/moved.json\n2.8 button left up\n" +
             "3.0 export %/moved.ply\n3.2 state %/end.json\n3.3 quit\n";
   const auto played = playWell(kSphere, sphereOf(8000), script);

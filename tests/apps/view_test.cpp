@@ -26,7 +26,7 @@ TEST_CASE("an invalid script is refused with its line before anything is opened"
   if (!hasDisplay()) return;
   for (const auto& [line, complaint] :
        {std::pair{"0.2 resize 640x", "script.txt:2: the width: '640x' is not a number"},
-        {"0.2 key nose", "script.txt:2: unknown key 'nose'; keys are a to z 0 to 9 space escape"},
+        {"0.2 key nose", "script.txt:2: unknown key 'nose'; keys are a to z 0 to 9 f1 to f12 space escape"},
         {"0.2 press", "script.txt:2: unknown event 'press'; choose key"},
         {"0.2 screenshot a.tif", "script.txt:2: a.tif: pictures are written as .png"},
         {"0.2 button left", "script.txt:2: down or up is missing"},

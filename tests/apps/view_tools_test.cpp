@@ -71,7 +71,7 @@ TEST_CASE("the status line has the position under the cursor and the counts of p
   const auto line = [&](const char* name) { return std::string(played->state(name)["status_line"]); };
   CHECK_MESSAGE(line("beside.json").starts_with("1000 points"), line("beside.json"));
   double x = 0, y = 0, z = 0;
-  CHECK_MESSAGE(std::sscanf(line("on.json").c_str(), "%lf %lf %lf", &x, &y, &z) == 3, line("on.json"));
+  CHECK_MESSAGE(std::sscanf(line("on.json").c_str(), "x %lf y %lf z %lf", &x, &y, &z) == 3, line("on.json"));
   CHECK(std::sqrt(x * x + y * y + z * z) == near(50, 0.03));  // the sphere's radius
   CHECK_MESSAGE(says(line("all.json"), "1000 selected"), line("all.json"));
 }
@@ -230,7 +230,7 @@ TEST_CASE("panels and text have the scale of the screen, and the picture has all
   std::ofstream(folder / "script.txt") << inFolder("0.3 state %/state.json\n0.3 screenshot %/picture.png\n0.6 quit\n",
                                                    folder.path());
   const std::string command = inFolder(
-      "cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 2000x1400x24' sh -c \"xprop -root -f RESOURCE_MANAGER "
+      "cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 2000x1400x24 -noreset' sh -c \"xprop -root -f RESOURCE_MANAGER "
       "8s "
       "-set RESOURCE_MANAGER 'Xft.dpi: 192' && " +
           program() + " --quiet view %/sphere.ply --size 1800x1200 --backend cpu --script %/script.txt\"",

@@ -251,7 +251,7 @@ TEST_CASE("a narrow window hides the panels, and the model stays centred when pa
   CHECK(std::abs(middleOf(picture("narrow.png")) - 160) < 15);
   CHECK(played->state("asked.json")["panels"] == true);
   CHECK(played->state("wide.json")["panels"] == true);
-  CHECK(std::abs(middleOf(picture("wide.png")) - (276 + 480) / 2) < 15);
+  CHECK(std::abs(middleOf(picture("wide.png")) - (42 + 232) / 2) < 15);
   CHECK(std::abs(middleOf(picture("bare.png")) - 240) < 15);
   CHECK(played->state("again.json")["panels"] == false);
 }
@@ -282,10 +282,10 @@ TEST_CASE("file names are shown in their own script") {
   const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
   const Picture none = picture("none.png");
   // The name is the first line of the panel.
-  const auto differ = [&](const char* name) { return differing(none, picture(name), 32, 24, 14); };
+  const auto differ = [&](const char* name) { return differing(none, picture(name), 264, 24, 14); };
   CHECK(differ("cyrillic.png") > 40);
   CHECK(differ("greek.png") > 40);
-  CHECK(differing(picture("greek.png"), picture("cyrillic.png"), 32, 24, 14) > 40);
+  CHECK(differing(picture("greek.png"), picture("cyrillic.png"), 264, 24, 14) > 40);
   if (hasChinese) CHECK(differ("chinese.png") > 40);
 }
 

@@ -115,8 +115,8 @@ TEST_CASE("journey 5: ten mirrored strokes beside a mask, five of them undone, s
   const auto stroke = [&](double time_s, int k) {
     script +=
         fmt::format("{0:.2f} mouse {4} {5}\n{1:.2f} button left down\n{2:.2f} mouse {6} {7}\n{3:.2f} button left up\n",
-                    time_s, time_s + 0.1, time_s + 0.15, time_s + 0.2, 340 + 12 * (k % 5), 155 + 25 * (k / 5),
-                    350 + 12 * (k % 5), 162 + 25 * (k / 5));
+                    time_s, time_s + 0.1, time_s + 0.15, time_s + 0.2, 99 + 12 * (k % 5), 155 + 25 * (k / 5),
+                    109 + 12 * (k % 5), 162 + 25 * (k / 5));
   };
   for (int k = 0; k < 10; ++k) stroke(0.5 + 0.25 * k, k);
   script += "3.2 state %/ten.json\n";

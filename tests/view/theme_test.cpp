@@ -38,14 +38,13 @@ Color over(const Color& top, const Color& below, double opacity) {
 
 TEST_CASE("each text of the panels has a contrast of at least 4.5 in both themes, also where it cannot be used now") {
   CHECK(contrast({0, 0, 0}, {1, 1, 1}) > 20.99);
-  for (const auto& [name, dark] : kThemes) {
-    CAPTURE(name);
-    const bool isDark = dark;
+  for (const bool isDark : {true, false}) {
+    CAPTURE(isDark);
     const auto of = [isDark](Tone tone) { return channels(colorOf(tone, isDark)); };
-    for (const auto& [text, background] : kTextOn) {
-      CAPTURE(static_cast<int>(text));
-      CAPTURE(static_cast<int>(background));
-      CHECK(contrast(of(text), of(background)) >= 4.5);
+    for (const auto& pair : kTextOn) {
+      CAPTURE(static_cast<int>(pair.first));
+      CAPTURE(static_cast<int>(pair.second));
+      CHECK(contrast(of(pair.first), of(pair.second)) >= 4.5);
     }
     for (const Tone background : {Tone::panel, Tone::field, Tone::button}) {
       const Color below = over(of(background), of(Tone::panel), double{kDisabledOpacity});
