@@ -15,7 +15,7 @@ trap 'rm -rf "$folder"' EXIT
 "$palpate" --quiet make sculpture -n 100000 -o "$folder/sculpture.ply"
 # The stylus presses; a dent and two hollows; two painted strokes; triangles.
 sed "s#%#$folder#" > "$folder/script.txt" <<'SCRIPT'
-0.05 mouse 189 300
+0.05 mouse 330 335
 0.15 key space down
 0.25 button left down
 0.8 screenshot %/1.png
@@ -27,7 +27,7 @@ sed "s#%#$folder#" > "$folder/script.txt" <<'SCRIPT'
 1.35 mouse 259 310
 1.45 button left down
 1.7 button left up
-1.75 mouse 219 390
+1.75 mouse 255 400
 1.85 button left down
 2.1 button left up
 2.15 key space up
@@ -40,10 +40,10 @@ sed "s#%#$folder#" > "$folder/script.txt" <<'SCRIPT'
 2.85 mouse 354 212
 3.0 mouse 364 225
 3.1 button left up
-3.15 mouse 149 390
+3.15 mouse 235 425
 3.25 button left down
-3.4 mouse 159 405
-3.55 mouse 171 420
+3.4 mouse 250 440
+3.55 mouse 270 452
 3.7 button left up
 3.75 key space up
 3.9 screenshot %/3.png

@@ -34,7 +34,7 @@ struct WindowState {
   const std::string& blocked;  ///< ViewStatus::blocked
   const Camera& camera;
   UVec2 size_px{0};
-  double scale = 1;  ///< Gui::scale()
+  double scale = 1;     ///< Gui::scale()
   bool stylus = false;  ///< the mouse holds the stylus and touches
   std::uint64_t meshTriangles = 0;
   double fps = 0;

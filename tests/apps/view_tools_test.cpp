@@ -230,9 +230,8 @@ TEST_CASE("panels and text have the scale of the screen, and the picture has all
   std::ofstream(folder / "script.txt") << inFolder("0.3 state %/state.json\n0.3 screenshot %/picture.png\n0.6 quit\n",
                                                    folder.path());
   const std::string command = inFolder(
-      "cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 2000x1400x24 -noreset' sh -c \"xprop -root -f RESOURCE_MANAGER "
-      "8s "
-      "-set RESOURCE_MANAGER 'Xft.dpi: 192' && " +
+      "cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 2000x1400x24 -noreset' sh -c \"xprop -root "
+      "-f RESOURCE_MANAGER 8s -set RESOURCE_MANAGER 'Xft.dpi: 192' && " +
           program() + " --quiet view %/sphere.ply --size 1800x1200 --backend cpu --script %/script.txt\"",
       folder.path());
   REQUIRE(run(command).code == 0);
