@@ -391,7 +391,7 @@ TEST_CASE("each tap of the stylus makes a stroke of its own, and a tap beside th
 2.2 state %/thrice.json
 2.3 key ctrl+z
 2.6 state %/undone.json
-2.7 tap 233 350
+2.7 tap 225 320
 3.3 state %/beside.json
 3.4 quit
 )");
@@ -407,7 +407,7 @@ TEST_CASE("a click or key press shorter than a frame is not lost, in a panel or 
   const auto played =
       playWell("%/sphere.ply --size 480x360 --rate 250 --edit push", sphereOf(2000), std::string(kTwoStrokes) + R"(
 2 state %/before.json
-2.1 tap 160 208
+2.1 tap 20 184
 2.3 state %/tool.json
 2.4 tap d
 2.6 tap 112 160

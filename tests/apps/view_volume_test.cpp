@@ -43,7 +43,7 @@ std::string drag(double time_s, const DVec2& from, const DVec2& to) {
 TEST_CASE("a box is placed by a drag, and exactly the points in its numbers are selected, removed and restored") {
   if (!hasDisplay()) return;
   const auto played = playWell(kSphere, sphereOf(8000),
-                               "0.1 key s\n0.15 key w\n0.2 state %/none.json\n" + drag(0.3, {590, 280}, {660, 280}) +
+                               "0.1 key s\n0.15 key w\n0.2 state %/none.json\n" + drag(0.3, {349, 280}, {419, 280}) +
                                    R"(
 1.0 state %/placed.json
 1.1 save %/before.ply
