@@ -9,6 +9,8 @@ class CameraDrag {
  public:
   /// Begins to rotate about `pivot`, or to pan so that `pivot` stays under the cursor.
   void begin(const Camera& camera, const DVec3& pivot, bool pans);
+  /// Begins to turn the camera where it is.
+  void beginTurn() { kind_ = Kind::turn; }
   /// Begins a drag that does not move the camera, e.g. a press of the stylus.
   void beginOther() { kind_ = Kind::other; }
   void end() { kind_ = Kind::none; }
@@ -19,7 +21,7 @@ class CameraDrag {
   void noteClick(double time_s, const DVec2& place_px);
 
  private:
-  enum class Kind { none, orbit, pan, other };
+  enum class Kind { none, orbit, pan, turn, other };
   Kind kind_ = Kind::none;
   DVec3 pivot_{0};
   double depth_ = 0;

@@ -44,6 +44,7 @@ void CommandRunner::carryOut(const ViewCommand& command) {
   const UpAxis up = parts_.settings.view.upOf(session->model());
   const DVec3 front = parts_.settings.view.frontFor(session->model());
   if (const auto* side = std::get_if<ModelSide>(&command)) parts_.viewpoint.lookFrom(*side, up, front);
+  if (const auto* walk = std::get_if<WalkCommand>(&command)) hands_.carryOut(*walk);
   if (const auto* look = std::get_if<LookAlong>(&command))
     parts_.viewpoint.lookAlong(look->axis, !look->fromBehind, up, front);
   if (const auto* set = std::get_if<SetParameter>(&command)) session->setParameter(set->name, set->value);

@@ -101,6 +101,15 @@ struct BrowseCommand {
   FileTask task;
 };
 
+/// Of a walk, as the viewer sees it; up is along Camera::up.
+enum class WalkDirection : std::uint8_t { forward, back, left, right, up, down };
+inline constexpr std::size_t kWalkDirections = 6;
+/// Walks in that direction from now on, or no longer.
+struct WalkCommand {
+  WalkDirection direction = WalkDirection::forward;
+  bool on = false;
+};
+
 struct LookAlong {
   int axis;
   bool fromBehind;
@@ -162,11 +171,11 @@ struct CopyText {
   std::string text;
 };
 
-using ViewCommand =
-    std::variant<WindowCommand, ModelCommand, StylusCommand, BrushCommand, SelectCommand, Answer, FileCommand,
-                 BrowseCommand, ModelSide, LookAlong, NamedViewCommand, SetParameter, SetValue, SelectVolume, SetVolume,
-                 FlipPlane, MirrorAtPlane, MoveSelection, KeepSelection, SelectWhere, CleanModel, SetColorRange,
-                 SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, TryExample, CopyText>;
+using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, BrushCommand, SelectCommand, Answer,
+                                 FileCommand, BrowseCommand, ModelSide, LookAlong, WalkCommand, NamedViewCommand,
+                                 SetParameter, SetValue, SelectVolume, SetVolume, FlipPlane, MirrorAtPlane,
+                                 MoveSelection, KeepSelection, SelectWhere, CleanModel, SetColorRange, SetTrueLength,
+                                 DeviceCommand, ChooseDevice, SetDeviceAxes, TryExample, CopyText>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

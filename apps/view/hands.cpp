@@ -66,7 +66,14 @@ void Hands::press(MouseButton button) {
       .shift = keyboard_.isShiftDown(), .control = keyboard_.isControlDown(), .alt = keyboard_.isAltDown()};
   if (parts_.settings.tool == WindowTool::select && select_.press(button, keys, parts_.settings.select, pointed()))
     return;
+  if (parts_.settings.tool == WindowTool::look && button == MouseButton::right) return pointing_.beginTurn();
   pointing_.press(button, keys.shift, parts_.settings.view, pointed());
+}
+
+void Hands::walk(double dt_s) {
+  if (parts_.document.asks() || parts_.gui.wantsKeys()) walk_.stop();
+  if (const WindowSession* const session = parts_.document.session())
+    walk_.advance(dt_s, keyboard_.isShiftDown(), session->longestSide(), parts_.viewpoint);
 }
 
 void Hands::followTool() {

@@ -7,6 +7,7 @@
 #include "apps/view/pointing_devices.hpp"
 #include "apps/view/select_tool.hpp"
 #include "apps/view/viewer_parts.hpp"
+#include "apps/view/walk.hpp"
 
 namespace palpate {
 
@@ -40,6 +41,11 @@ class Hands {
   Pointed pointed();
   /// Returns whether the command has done something.
   bool carryOut(BrushCommand command);
+  void carryOut(const WalkCommand& command) { walk_.hold(command); }
+  /// Called once per frame.
+  void walk(double dt_s);
+  /// Whether the view moves without an event.
+  bool isWalking() const { return walk_.isWalking(); }
 
   EventQueue& events() { return events_; }
   const EventQueue& events() const { return events_; }
@@ -62,6 +68,7 @@ class Hands {
   BrushInHand inHand_;
   SelectTool select_;
   Measure measure_;
+  Walk walk_;
   std::optional<double> ownStiffness_N_per_mm_;  // for other devices; set while a remembered one applies
 };
 

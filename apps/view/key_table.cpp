@@ -88,6 +88,18 @@ std::vector<KeyBinding> axes() {
   return bindings;
 }
 
+std::vector<KeyBinding> walking() {
+  std::vector<KeyBinding> bindings;
+  for (const auto& [key, direction] : {std::pair{GLFW_KEY_UP, WalkDirection::forward},
+                                       {GLFW_KEY_DOWN, WalkDirection::back},
+                                       {GLFW_KEY_LEFT, WalkDirection::left},
+                                       {GLFW_KEY_RIGHT, WalkDirection::right},
+                                       {GLFW_KEY_PAGE_UP, WalkDirection::up},
+                                       {GLFW_KEY_PAGE_DOWN, WalkDirection::down}})
+    bindings.push_back({key, kEither, kEither, {WalkCommand{direction, true}}, {WalkCommand{direction, false}}});
+  return bindings;
+}
+
 // Close what is drawn, and select with a volume.
 std::vector<KeyBinding> closers() {
   std::vector<KeyBinding> bindings;
@@ -194,6 +206,9 @@ std::vector<KeyRow> make() {
       {others, "R", "reset the view", {plain(GLFW_KEY_R, {WindowCommand::resetView})}},
       {all, "Home", "reset the view", {plain(GLFW_KEY_HOME, {WindowCommand::resetView})}},
       {all, "X  Y  Z", "look along an axis (Shift: from behind)", axes()},
+      {all, "arrows, Page Up, Page Down", "walk while held: forward, back, sideways, up, down (Shift: faster)",
+       walking()},
+      {{WindowTool::look}, "right drag", "turn the head: look around from where you are"},
       {all, "U", "turn the model by 90 degrees, clockwise", {plain(GLFW_KEY_U, {WindowCommand::turnModel})}},
       {all, "Ctrl+1 to Ctrl+7", "look at the front, back, left, right, top, bottom, or isometric",
        numbered(kWith, kModelSides.size(), [](std::size_t k) { return kModelSides[k].second; })},

@@ -144,6 +144,7 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   }
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
   drawDistance(status);
+  drawLabels(status.labels);
   drawOutline(status.outline);
   drawBrushHint(status.brush);
   drawVolume(status.volume);

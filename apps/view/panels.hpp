@@ -75,6 +75,7 @@ struct ViewStatus {
   std::optional<double> onTime_percent;  ///< ticks of the hand that were on time; empty: no hand is live
   std::optional<PlaceInfo> picked;       ///< the last picked position
   std::optional<double> measured;        ///< distance of the two picked positions, units
+  std::vector<PictureLabel> labels;  ///< of the guides
   std::optional<DVec2> measuredAt_px;    ///< middle between them in the picture
   std::optional<Legend> legend;          ///< set where points are coloured by height or by a field
   const ColoredField* field = nullptr;   ///< that field
@@ -225,6 +226,7 @@ class Panels {
   void drawErrors(const ViewStatus& status);
   void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit);
   void drawDistance(const ViewStatus& status) const;
+  void drawLabels(const std::vector<PictureLabel>& labels) const;
   void drawLegend(const Legend& legend);
   struct AnswerButton {
     const char* name;

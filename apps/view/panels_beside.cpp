@@ -197,6 +197,20 @@ void Panels::drawDistance(const ViewStatus& status) const {
   list.AddText({x, y}, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
 }
 
+void Panels::drawLabels(const std::vector<PictureLabel>& labels) const {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float padding = em(0.2);
+  for (const PictureLabel& label : labels) {
+    const ImVec2 size = ImGui::CalcTextSize(label.text.c_str());
+    const float x = std::round(static_cast<float>(label.at_px.x) - 0.5f * size.x),
+                y = std::round(static_cast<float>(label.at_px.y) - 0.5f * size.y);
+    if (label.plate)
+      list.AddRectFilled({x - padding, y}, {x + size.x + padding, y + size.y},
+                         ImGui::GetColorU32(ImGuiCol_WindowBg, 0.75f), padding);
+    list.AddText({x, y}, ImGui::GetColorU32(ImGuiCol_Text), label.text.c_str());
+  }
+}
+
 void Panels::drawBrushHint(const BrushHint& hint) const {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   std::vector<ImVec2> ring;

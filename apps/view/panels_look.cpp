@@ -62,6 +62,11 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
   help("off: frames are drawn as fast as possible, and may tear");
   checkbox("orthographic", view.orthographic);
   help("Ctrl+8: without perspective, so that lengths can be compared wherever they are");
+  for (std::size_t k = 0; k < kGuides.size(); ++k) {
+    if (k > 0) ImGui::SameLine();
+    checkbox(kGuides[k].first.data(), view.guides.*kGuides[k].second);
+  }
+  help("guides: the box with its lengths, axes with coordinates, squares of a round length on the ground, directions");
   drawSides();
   drawViews(status);
 }
@@ -96,6 +101,12 @@ void Panels::drawViews(const ViewStatus& status) {
     viewName_[0] = 0;
   }
   help("keeps what you see now under this name, for this model");
+  if (status.views.size() > 1) {
+    std::string lines;
+    for (const NamedView& view : status.views) lines += "# " + view.name + '\n' + view.camera + '\n';
+    post(button("Copy all views"), CopyText{lines});
+    help("copies them as text; in a file, it is a way for a film: palpate render --camera-path FILE -o film.mp4");
+  }
   for (const NamedView& view : status.views) {
     ImGui::PushID(view.name.c_str());
     post(button(view.name.c_str(), em(6.5)), NamedViewCommand{NamedViewCommand::What::show, view.name});

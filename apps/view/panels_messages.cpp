@@ -19,7 +19,7 @@ std::string measureLine(const ViewStatus& status) {
 
 std::string hintFor(const WindowSettings& settings) {
   if (settings.tool == WindowTool::sculpt) return "hold Space to touch,  H for help";
-  if (settings.tool == WindowTool::look) return "drag to look around,  H for help";
+  if (settings.tool == WindowTool::look) return "drag to look around, arrows walk,  H for help";
   switch (settings.select.shape) {
     case SelectShape::flood:
     case SelectShape::same:

@@ -47,6 +47,8 @@ class PointingDevices {
 
   void moveMouse(const DVec2& place_px, const Pointed& at);
   void press(MouseButton button, bool shift, const ViewSettings& view, const Pointed& at);
+  /// A drag that turns the camera where it is.
+  void beginTurn() { drag_.beginTurn(); }
   void release(MouseButton button, const Pointed& at);
   /// Whether a click to measure has missed the model since the last call.
   bool takeMiss() { return std::exchange(hasMissed_, false); }

@@ -10,6 +10,7 @@
 #include "apps/view/session.hpp"
 #include "engine/cloud/length_text.hpp"
 #include "haptics/session/colored_field.hpp"
+#include "haptics/session/guides.hpp"
 #include "haptics/session/light_config.hpp"
 
 namespace palpate {
@@ -37,6 +38,7 @@ struct ViewSettings {
   int text_percent = 100;  ///< of kTextSizes
   bool fullScreen = false;
   bool orthographic = false;
+  GuideConfig guides;
   bool cameras = true;    ///< show the cameras that took pictures of the model
   bool measures = false;  ///< the left button picks the two positions of a measure
   bool mesh = false;

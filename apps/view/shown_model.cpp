@@ -30,6 +30,7 @@ void ShownModel::forget() {
   mesh_.clear();
   picture_.forget();
   lines_.forget();
+  guides_.forget();
   field_.forget();
   edited_ = {};
 }
@@ -37,6 +38,8 @@ void ShownModel::forget() {
 void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measure& measure, Messages& messages) {
   edited_ = session.takeBatch();
   lines_.follow(session, view, measure);
+  const Model& model = session.model();
+  guides_.follow(model, view.upOf(model), view.unitOf(model), view.guides);
   try {
     field_.follow(session, edited_, view);
   } catch (const DeviceLost&) {
@@ -74,9 +77,9 @@ void ShownModel::fit(const UVec2& window_px, const ViewSettings& view) {
 }
 
 bool ShownModel::aim(const WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched,
-                     const DVec2& cursor_px) {
+                     const UVec2& size_px, const DVec2& cursor_px) {
   FrameOptions options = frameOptions(session, view, field(), sight_.isCpu(), touched);
-  options.lines = lines_.lines();
+  options.lines = guides_.linesWith(lines_.lines(), camera, size_px);
   return picture_.aim(session, mesh_, camera, options, cursor_px);
 }
 
@@ -84,12 +87,12 @@ Image ShownModel::picture(WindowSession& session, Camera camera, const ViewSetti
                           const UVec2& size_px, const Measure& measure) const {
   camera.center = DVec2(0.5);
   FrameOptions options = frameOptions(session, view, field(), sight_.isCpu(), touched);
-  options.lines = lines_.lines();
+  options.lines = guides_.guides().linesWith(*lines_.lines(), camera, size_px);
   const PictureSize size{size_px.x, size_px.y};
   if (view.scaleBar) options.overlays.scale = scaleBar(camera, size);
   Image image = picture_.forFile(session, mesh_, camera, options, size_px);
   const LengthUnit unit = view.unitOf(session.model());
-  Annotations annotations{.legend = legend(session, view)};
+  Annotations annotations{.legend = legend(session, view), .labels = guides_.guides().labelsIn(camera, size_px)};
   if (view.scaleBar) annotations.scale = lengthText(scaleBarLength(camera, size), unit);
   if (const auto at = measure.middle_px(camera, size_px))
     annotations.labels.push_back({*at, lengthText(*measure.distance(), unit)});

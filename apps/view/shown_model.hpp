@@ -4,6 +4,7 @@
 #include "apps/view/model_picture.hpp"
 #include "apps/view/settings.hpp"
 #include "apps/view/shown_field.hpp"
+#include "apps/view/shown_guides.hpp"
 #include "apps/view/shown_lines.hpp"
 #include "apps/view/shown_mesh.hpp"
 
@@ -27,10 +28,10 @@ class ShownModel {
   void choosePace(double clock_s, bool inFull);
   /// Sets the picture's size for the window.
   void fit(const UVec2& window_px, const ViewSettings& view);
-  /// Sets what the next picture shows, and the cursor; `touched`: with the stylus. Returns whether it differs from the
-  /// last picture.
+  /// Sets what the next picture shows, and the cursor; `touched`: with the stylus; `size_px`: of the window. Returns
+  /// whether it differs from the last picture.
   bool aim(const WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched,
-           const DVec2& cursor_px);
+           const UVec2& size_px, const DVec2& cursor_px);
   /// Draws that, and notes the depth under the cursor.
   void record(CommandList& list, WindowSession& session, const UVec2& window_px);
 
@@ -43,6 +44,7 @@ class ShownModel {
   const ModelPicture& picture() const { return picture_; }
   const ShownMesh& mesh() const { return mesh_; }
   const ShownLines& lines() const { return lines_; }
+  const PictureGuides& guides() const { return guides_.guides(); }
   /// Of the colours; empty: they need none.
   std::optional<Legend> legend(const WindowSession& session, const ViewSettings& view) const;
   /// Null if points are not coloured by a field.
@@ -53,6 +55,7 @@ class ShownModel {
   ModelPicture picture_;
   ShownMesh mesh_;
   ShownLines lines_;
+  ShownGuides guides_;
   ShownField field_;
   EditBatch edited_;    // since the last frame
   double moved_s_ = 0;  // time of the last frame that differed from the one before

@@ -2,6 +2,7 @@
 #include "apps/cli/backend.hpp"
 #include "apps/cli/motion_options.hpp"
 #include "apps/cli/parse_list.hpp"
+#include "apps/cli/picture.hpp"
 #include "apps/cli/setting_options.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stop_by_signal.hpp"
@@ -25,6 +26,7 @@ struct ViewCommandOptions {
   LookOptions look;
   ColorConfig color;
   LightConfig light;
+  std::string guides;
   MotionOptions motion;
   StreamOptions stream;
   JoinOptionsGiven join;
@@ -95,6 +97,7 @@ void view(Context& context, const ViewCommandOptions& options) {
                    .look = options.look,
                    .color = options.color,
                    .light = options.light,
+                   .guides = guidesNamed(options.guides, "--guides"),
                    .resolution = std::stoi(options.resolution),
                    .size_px = {width, height},
                    .held = held};
@@ -195,6 +198,7 @@ void addView(Options& app, Context& context, Command& command) {
   addLookOptions(sub, options->look);
   addSettings(sub, options->color, {});
   addSettings(sub, options->light, {});
+  addGuidesOption(sub, options->guides);
   addWindowOptions(sub, *options);
   sub.add("--device", options->device,
           "device that moves the stylus: mouse (or keys and a gamepad); auto: the one that the window used last, and "

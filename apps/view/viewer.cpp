@@ -29,6 +29,7 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
   view.resolution = options.resolution;
   view.color = options.color;
   view.light = options.light;
+  view.guides = options.guides;
   // A script begins with the settings that it has written itself, and shows no first steps.
   const std::optional<KeptSettings> kept = KeptSettings::read();
   kept_ = kept.value_or(KeptSettings{.firstSteps = options.script.empty()});
@@ -82,6 +83,7 @@ void Viewer::step() {
     hands_.pointing().move(dt_s, settings_.view, hands_.pointed());
   if (WindowSession* session = document_.session()) session->drawUntil(hands_.events().known_s(script_.known_s()));
   playTicks();
+  hands_.walk(dt_s);
   const bool isShown = draw(dt_s);
   if (!document_.isLeaving() && commands_.takeClosing())
     document_.leave("the window closes", [this] { isClosed_ = true; });
@@ -105,7 +107,7 @@ double Viewer::wait_s() {
   const bool moves = session && (session->config().moves() || session->config().model.join || session->isPlaying());
   if (!script_.isOver() && script_.hasOwnClock()) return 0;
   return !hands_.events().isEmpty() ? 0
-                                    : pace_.wait_s(moves || hands_.pointing().mayMove() || document_.isBusy() ||
+                                    : pace_.wait_s(moves || hands_.pointing().mayMove() || hands_.isWalking() || document_.isBusy() ||
                                                    commands_.cleaning().isRunning() || !script_.isOver() ||
                                                    held_.stage() != HeldDevice::Stage::mouse || held_.isLooking());
 }

@@ -17,6 +17,7 @@ struct ViewOptions {
   LookOptions look;
   ColorConfig color;
   LightConfig light;
+  GuideConfig guides;
   int resolution = 128;  ///< of the triangles
   UVec2 size_px{1280, 720};
   HeldDevice& held;

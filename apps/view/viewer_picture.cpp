@@ -67,7 +67,8 @@ bool Viewer::draw(double dt_s) {
     viewpoint_.setDepthRange(session->bounds(), session->longestSide());
     layers.modelDiffers =
         shown_.aim(*session, viewpoint_.camera(), settings_.view,
-                   hands_.pointing().isTouching() || session->isPlaying(), hands_.pointing().cursor_px());
+                   hands_.pointing().isTouching() || session->isPlaying(), screen_.size_px(),
+                   hands_.pointing().cursor_px());
     layers.drawModel = [&](CommandList& list) { shown_.record(list, *session, screen_.size_px()); };
   }
   const bool isShown = screen_.show(layers);

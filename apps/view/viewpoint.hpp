@@ -35,6 +35,8 @@ class Viewpoint {
   void move(const DVec2& way_px, const DVec2& size_px);
   /// Zooms to `place` (default: the target), to `factor` times the distance.
   void zoom(const std::optional<DVec3>& place, double factor, double longestSide);
+  /// As walked().
+  void walk(const DVec3& way) { camera_ = walked(camera_, way); }
   /// Sets the camera, e.g. after a drag.
   void set(const Camera& camera) { camera_ = camera; }
 

@@ -86,6 +86,7 @@ ViewStatus WindowReport::status() {
     if (view.scaleBar && parts_.screen.size_px().x > 0) status.scaleBar = scaleOfPicture();
     status.selection = selection_.of(*session);
     status.measuredAt_px = hands_.measure().middle_px(parts_.viewpoint.camera(), parts_.screen.size_px());
+    status.labels = parts_.shown.guides().labelsIn(parts_.viewpoint.camera(), parts_.screen.size_px());
     status.legend = parts_.shown.legend(*session, view);
     status.field = parts_.shown.field();
     status.fields = fieldNames(session->model().cloud, session->attributes().fields());

@@ -60,6 +60,16 @@ Camera panned(const Camera& camera, double depth, const DVec2& way_px, const DVe
   return result;
 }
 
+Camera walked(const Camera& camera, const DVec3& way) {
+  const Camera::Axes axes = camera.axes();
+  const DVec3 step = way.x * axes.right + way.y * glm::normalize(camera.up) + way.z * axes.forward;
+  Camera result = camera;
+  result.eye += step;
+  result.target += step;
+  if (camera.isOrthographic()) result.height *= std::exp(-way.z / glm::distance(camera.eye, camera.target));
+  return result;
+}
+
 Camera zoomed(const Camera& camera, const DVec3& point, double factor, double nearest, double farthest) {
   const double distance = camera.isOrthographic() ? camera.height : glm::distance(camera.eye, point);
   if (!(distance > 0)) return camera;

@@ -15,6 +15,9 @@ Camera orbited(const Camera& camera, const DVec3& pivot, const DVec2& way_px, co
 /// Moves so that what is seen at `depth` follows the mouse.
 Camera panned(const Camera& camera, double depth, const DVec2& way_px, const DVec2& size_px);
 
+/// Moves by `way`: to the right in the picture, along Camera::up, and forward; an orthographic camera shows less.
+Camera walked(const Camera& camera, const DVec3& way);
+
 /// Moves towards `point`, which keeps its screen position, to `factor` times its distance, or shows `factor` times the
 /// height if orthographic. The distance, or that height, stays between `nearest` and `farthest`.
 Camera zoomed(const Camera& camera, const DVec3& point, double factor, double nearest, double farthest);
