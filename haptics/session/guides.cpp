@@ -31,12 +31,6 @@ std::vector<double> multiples(double low, double high, double step) {
   return all;
 }
 
-/// With the digits that tell multiples of `step` apart.
-std::string coordinateText(double value, double step) {
-  const int digits = std::clamp(static_cast<int>(-std::floor(std::log10(step) + 1e-9)), 0, 12);
-  return fmt::format("{:.{}f}", value == 0 ? 0.0 : value, digits);
-}
-
 /// The corner of a box that is at its top along each axis whose bit is set.
 DVec3 cornerOf(const Bounds& box, unsigned bits) {
   return {bits & 1 ? box.max.x : box.min.x, bits & 2 ? box.max.y : box.min.y, bits & 4 ? box.max.z : box.min.z};
@@ -130,10 +124,10 @@ Guides guidesOf(const Model& model, UpAxis up, LengthUnit unit, const GuideConfi
 }
 
 Guides compassOf(const Camera& camera, const UVec2& size_px) {
-  constexpr double kLength = 0.05, kFromBorder = 0.1, kText = 1.35;  // heights of the picture; text: lengths
+  constexpr double kLength = 0.05, kText = 1.35;  // heights of the picture; of a letter, in lengths
+  const DVec2 kMiddle(0.13, 0.1);                 // beside the window's tools, heights of the picture
   const double height = size_px.y, depth = 2 * camera.nearDepth;
-  const DVec3 middle =
-      camera.unproject({size_px.x - kFromBorder * height, kFromBorder * height}, depth, {size_px.x, size_px.y});
+  const DVec3 middle = camera.unproject(kMiddle * height, depth, DVec2(size_px));
   const double length = kLength * height * camera.pixelSize(depth, size_px.y);
   Guides guides;
   for (int axis = 0; axis < 3; ++axis) {

@@ -45,7 +45,7 @@ struct Guides {
 };
 /// All but the compass. `up`: the ground is at the lowest position along it; `unit`: of the lengths.
 Guides guidesOf(const Model& model, UpAxis up, LengthUnit unit, const GuideConfig& config);
-/// In the upper right corner of a picture of that size, in front of everything.
+/// In the upper left corner of a picture of that size, in front of everything.
 Guides compassOf(const Camera& camera, const UVec2& size_px);
 
 /// A label in a picture; its middle, pixels from the top left.

@@ -74,9 +74,9 @@ TEST_CASE("guides are drawn in the window and in its pictures, and an idle windo
 1.7 quit
 )");
   const Picture with(played->folder.path() / "with.png"), saved(played->folder.path() / "sphere-1.png");
-  CHECK(differing(with, saved, 420, 60, 30) < 400);  // the compass is in both
+  CHECK(differing(with, saved, 52, 40, 30) < 400);  // the compass is in both
   const auto colored = [](const Picture& picture) {
-    return count(420, 45, 40, [&](int x, int y) {
+    return count(52, 42, 40, [&](int x, int y) {
       const auto p = picture.at(x, y);
       return std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > 60;
     });
