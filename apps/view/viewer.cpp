@@ -106,10 +106,11 @@ double Viewer::wait_s() {
   const WindowSession* session = document_.session();
   const bool moves = session && (session->config().moves() || session->config().model.join || session->isPlaying());
   if (!script_.isOver() && script_.hasOwnClock()) return 0;
-  return !hands_.events().isEmpty() ? 0
-                                    : pace_.wait_s(moves || hands_.pointing().mayMove() || hands_.isWalking() || document_.isBusy() ||
-                                                   commands_.cleaning().isRunning() || !script_.isOver() ||
-                                                   held_.stage() != HeldDevice::Stage::mouse || held_.isLooking());
+  return !hands_.events().isEmpty()
+             ? 0
+             : pace_.wait_s(moves || hands_.pointing().mayMove() || hands_.isWalking() || document_.isBusy() ||
+                            commands_.cleaning().isRunning() || !script_.isOver() ||
+                            held_.stage() != HeldDevice::Stage::mouse || held_.isLooking());
 }
 
 bool Viewer::scriptWaits() const {

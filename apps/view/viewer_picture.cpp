@@ -65,10 +65,9 @@ bool Viewer::draw(double dt_s) {
     layers.model = &shown_.picture();
     viewpoint_.project(settings_.view.orthographic);
     viewpoint_.setDepthRange(session->bounds(), session->longestSide());
-    layers.modelDiffers =
-        shown_.aim(*session, viewpoint_.camera(), settings_.view,
-                   hands_.pointing().isTouching() || session->isPlaying(), screen_.size_px(),
-                   hands_.pointing().cursor_px());
+    layers.modelDiffers = shown_.aim(*session, viewpoint_.camera(), settings_.view,
+                                     hands_.pointing().isTouching() || session->isPlaying(), screen_.size_px(),
+                                     hands_.pointing().cursor_px());
     layers.drawModel = [&](CommandList& list) { shown_.record(list, *session, screen_.size_px()); };
   }
   const bool isShown = screen_.show(layers);

@@ -61,7 +61,7 @@ TEST_CASE("held arrows walk until they are released, Shift walks faster, and a r
 TEST_CASE("guides are drawn in the window and in its pictures, and an idle window with them draws nothing") {
   if (!hasDisplay()) return;
   const auto played =
-      playWell("%/sphere.ply --size 480x400 --rate 250 --backend cpu --guides box,axes,grid,compass", sphereOf(2000), R"(
+      playWell("%/sphere.ply --size 480x400 --backend cpu --guides box,axes,grid,compass", sphereOf(2000), R"(
 0.1 key tab
 0.4 screenshot %/with.png
 0.5 state %/first.json
