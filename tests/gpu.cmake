@@ -26,7 +26,8 @@ if(PALPATE_SIMULATION)
   palpate_tests(matter_gpu LINKS palpate::touch palpate::matter_gpu WITH matter_gpu/matter_on_gpu.cpp
                 ALSO ${matter_truths})
 endif()
-palpate_tests(render LINKS palpate::render third_party::stb WITH render/splat_radius_reference.cpp)
+palpate_tests(render LINKS palpate::render third_party::stb WITH render/splat_radius_reference.cpp
+                      render/gaussian_reference.cpp)
 if(TARGET palpate_library)
   palpate_tests(library_gpu LINKS ${library_links} third_party::volk)
 endif()

@@ -153,6 +153,10 @@ bool showsPaint(const PictureOptions& options) {
   return options.color.source() == ColorSource::rgb && (pass == ImagePass::final || pass == ImagePass::color);
 }
 
+bool showsGaussians(const PictureOptions& options, const PointCloud& cloud) {
+  return showsPaint(options) && drawsGaussians(options.light.gaussians, cloud, options.points);
+}
+
 void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {
   fmt::print(out, "{:<24} {:<32} {:>12} {:>12} {:>6} {:>10}\n", "section", "pass", "threads", "bytes", "waits",
              "GPU us");
@@ -268,6 +272,8 @@ std::optional<ColoredField> coloredField(const Context& context, const Model& mo
 void takePicture(Context& context, const Model& model, const PicturedPoints& points, DrawnCloud& drawn,
                  const PictureOptions& options, const Overlays& overlays, const PictureFiles& files) {
   drawn.closeSurface();
+  requireGaussians(options.light.gaussians, model.cloud, "--splats");
+  if (showsGaussians(options, points.cloud)) context.log().say("{}: {}", files.name, drawn.gaussians()->inWords());
   const std::optional<ColoredField> field = coloredField(context, model, points, options);
   if (field) drawn.attributes().show(field->floats());
   draw(context, model, drawn, options, overlays, files, field ? &*field : nullptr);

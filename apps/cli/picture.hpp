@@ -50,6 +50,9 @@ void addSamplesOption(Options& command, std::uint32_t& samples);
 /// Whether a picture shows the points' own colours.
 bool showsPaint(const PictureOptions& options);
 
+/// Whether it is of the Gaussians of a splat scene, and not of its surface.
+bool showsGaussians(const PictureOptions& options, const PointCloud& cloud);
+
 /// Checks the options of a picture of that name, if any, as far as possible before anything is loaded. Throws
 /// UsageError.
 void checkPictureOptions(const PictureOptions& options, const std::string& file);

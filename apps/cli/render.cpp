@@ -83,6 +83,7 @@ void render(Context& context, RenderOptions& options) {
   std::optional<PictureSeries> series;
   if (picturesOf(options) > 0) series.emplace(options.output, picturesOf(options));
   const PictureFiles files = series ? series->files() : PictureFiles{options.output, {options.output}};
+  Json result{{"file", options.output}, {"points", model.cloud.size()}, {"gpu", context.device().name()}};
   if (options.mode == "mesh") {
     drawMesh(context, model, options, files);
   } else {
@@ -90,11 +91,12 @@ void render(Context& context, RenderOptions& options) {
     PictureOptions picture = options.picture;
     picture.points = options.mode == "points";
     takePicture(context, model, {.cloud = model.cloud, .states = {}}, drawn, picture, {}, files);
+    if (showsGaussians(picture, model.cloud)) result["gaussians"] = drawn.gaussians()->count();
   }
   if (series) series->finish();
   context.log().say("{}: {}{} of {}", options.output, options.mode == "mesh" ? "mesh through " : "",
                     counted(model.cloud.size(), "point"), chosen.file);
-  context.writeJson({{"file", options.output}, {"points", model.cloud.size()}, {"gpu", context.device().name()}});
+  context.writeJson(result);
 }
 
 }  // namespace

@@ -8,8 +8,10 @@ namespace {
 
 constexpr DescribedKey kMake[]{{"file", "", "written file"}, {"shape", "", "its shape"}, {"points", "", "its points"}};
 
-constexpr DescribedKey kRender[]{
-    {"file", "", "written picture"}, {"points", "", "points of the model"}, {"gpu", "", "GPU that drew it"}};
+constexpr DescribedKey kRender[]{{"file", "", "written picture"},
+                                 {"points", "", "points of the model"},
+                                 {"gpu", "", "GPU that drew it"},
+                                 {"gaussians", "", "number of Gaussians, if the picture shows those of a splat scene"}};
 
 constexpr DescribedKey kMesh[]{{"file", "", "written mesh"},
                                {"points", "", "points of the model"},

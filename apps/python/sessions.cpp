@@ -285,7 +285,7 @@ void bindPictures(py::class_<PySession>& session) {
              const std::optional<Color>& background, std::uint32_t samples, const std::string& colorMap,
              const std::string& colorRange, const std::string& material, const std::string& occlusion,
              const std::string& cavity, const std::string& ground, const std::string& eyeDome,
-             const std::string& projection, double orthoHeight, bool transparent) {
+             const std::string& projection, double orthoHeight, bool transparent, const std::string& splats) {
             pp_picture_options options = pp_default_picture_options();
             options.width = size.first;
             options.height = size.second;
@@ -302,6 +302,7 @@ void bindPictures(py::class_<PySession>& session) {
             options.projection = projection.c_str();
             options.ortho_height = orthoHeight;
             options.transparent = transparent ? 1 : 0;
+            options.splats = splats.c_str();
             vectorOr(eye, options.has_eye, options.eye);
             vectorOr(target, options.has_target, options.target);
             vectorOr(up, options.has_up, options.up);
@@ -315,9 +316,11 @@ void bindPictures(py::class_<PySession>& session) {
           py::arg("color_range") = "auto", py::arg("material") = "auto", py::arg("occlusion") = "auto",
           py::arg("cavity") = "auto", py::arg("ground") = "auto", py::arg("eye_dome") = "auto",
           py::arg("projection") = "perspective", py::arg("ortho_height") = 0.0, py::arg("transparent") = false,
+          py::arg("splats") = "auto",
           "render(size=(1280, 720), eye=None, target=None, up=None, fov=45, color='rgb', background=None, "
           "samples=4, color_map='auto', color_range='auto', material='auto', occlusion='auto', cavity='auto', "
-          "ground='auto', eye_dome='auto', projection='perspective', ortho_height=0, transparent=False)\n\n"
+          "ground='auto', eye_dome='auto', projection='perspective', ortho_height=0, transparent=False, "
+          "splats='auto')\n\n"
           "Draws the present points: uint8, height x width x 4, rows from the top. size: width, height,\n"
           "16384 at most. eye, target, up: model units; what is not given is chosen to fit the model. fov:\n"
           "vertical, degrees. color: rgb, normal, depth, height, or a field of the points. background: three of\n"
@@ -328,7 +331,9 @@ void bindPictures(py::class_<PySession>& session) {
           "a file with colours and without normals, else clay). occlusion, cavity, ground, eye_dome: on, off, or auto\n"
           "(as palpate render). projection: perspective, orthographic, or isometric (orthographic, from the front,\n"
           "the right and above). ortho_height: of an orthographic picture, model units; 0: so that the model fills\n"
-          "it. transparent: without a background; the fourth number of a pixel is its opacity.")
+          "it. transparent: without a background; the fourth number of a pixel is its opacity.\n"
+          "splats, of a splat scene: gaussians (as it was trained), surface (the points that are felt), or auto\n"
+          "(gaussians).")
       .def(
           "mesh",
           [](PySession& self, std::uint32_t resolution, const std::string& surface, std::optional<double> radius_mm) {

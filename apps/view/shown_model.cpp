@@ -33,6 +33,8 @@ void ShownModel::forget() {
   guides_.forget();
   field_.forget();
   edited_ = {};
+  saidOfGaussians_ = false;
+  madeBefore_ = picture_.made();
 }
 
 void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measure& measure, Messages& messages) {
@@ -40,6 +42,12 @@ void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measur
   lines_.follow(session, view, measure);
   const Model& model = session.model();
   guides_.follow(model, view.upOf(model), view.unitOf(model), view.guides);
+  const bool isSeen =
+      picture_.made() > madeBefore_;  // the first picture of a model may take longer than a remark stays
+  if (isSeen && !saidOfGaussians_ && drawsGaussians(view.light.gaussians, model.cloud)) {
+    saidOfGaussians_ = true;
+    messages.say(session.drawn().gaussians()->inWords());
+  }
   try {
     field_.follow(session, edited_, view);
   } catch (const DeviceLost&) {

@@ -57,8 +57,10 @@ class ShownModel {
   ShownLines lines_;
   ShownGuides guides_;
   ShownField field_;
-  EditBatch edited_;    // since the last frame
-  double moved_s_ = 0;  // time of the last frame that differed from the one before
+  EditBatch edited_;  // since the last frame
+  bool saidOfGaussians_ = false;
+  std::uint64_t madeBefore_ = 0;  // pictures of earlier models
+  double moved_s_ = 0;            // time of the last frame that differed from the one before
 };
 
 }  // namespace palpate

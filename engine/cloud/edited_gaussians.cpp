@@ -21,12 +21,29 @@ namespace {
 constexpr double kReach = 4;           // in spacings: the support radius, from which a hand feels a point
 constexpr double kAround = 2;          // in distances to the nearest point
 constexpr std::size_t kSample = 2048;  // points that are looked at for a Gaussian off the surface
-constexpr std::uint32_t kNone = ~0u;
 
-/// What a Gaussian belongs to.
-struct Owner {
-  std::uint32_t point = kNone;  ///< kNone: its centre is not finite
-  bool isNear = false;          ///< it follows the point
+GaussianOwner ownerIn(const PointTree& tree, const Vec3& center, double spacing) {
+  GaussianOwner owner;
+  double squared = 0;
+  if (!isFinite(center) || tree.nearest(center, {&owner.point, 1}, {&squared, 1}) == 0) return {};
+  owner.distance = std::sqrt(squared);
+  owner.isNear = owner.distance <= kReach * spacing;
+  return owner;
+}
+
+/// The farthest of a few points around one, on the same side of the surface.
+std::uint32_t besidePoint(const PointCloud& file, const PointTree& tree, std::uint32_t point) {
+  constexpr std::size_t kNeighbours = 8;
+  constexpr float kSameSide = 0.5f;
+  std::array<std::uint32_t, kNeighbours> near;
+  std::array<double, kNeighbours> squared;
+  for (std::size_t k = tree.nearest(file.positions[point], near, squared); k-- > 1;)
+    if (near[k] != point && (!file.hasNormals() || glm::dot(file.normals[near[k]], file.normals[point]) > kSameSide))
+      return near[k];
+  return GaussianOwner::kNone;
+}
+
+struct Owner : GaussianOwner {
   bool isGone = false;
 };
 
@@ -66,13 +83,9 @@ class GaussianEdit {
 
   Owner ownerOf(std::size_t i) const {
     const Vec3 center = relativeCenter(i);
-    Owner owner;
-    double squared = 0;
-    if (!isFinite(center) || tree_.nearest(center, {&owner.point, 1}, {&squared, 1}) == 0) return {};
-    const double distance = std::sqrt(squared);
-    owner.isNear = distance <= kReach * spacing_;
-    if (!isAnyGone_) return owner;
-    owner.isGone = owner.isNear ? points_[owner.point].gone : areMostGone(center, distance, owner.point);
+    Owner owner{ownerIn(tree_, center, spacing_)};
+    if (!isAnyGone_ || owner.point == GaussianOwner::kNone) return owner;
+    owner.isGone = owner.isNear ? points_[owner.point].gone : areMostGone(center, owner.distance, owner.point);
     return owner;
   }
 
@@ -184,6 +197,18 @@ class GaussianEdit {
 };
 
 }  // namespace
+
+BareVector<GaussianOwner> gaussianOwners(const PointCloud& file, unsigned threads) {
+  const GaussianRecords& records = *gaussiansOf(file);
+  const GaussianColumns columns(records);
+  const double spacing = meanSpacing(file, threads);
+  const PointTree tree(file.positions);
+  return parallelMake(records.size(), threads, [&](std::size_t i) {
+    GaussianOwner owner = ownerIn(tree, Vec3(columns.center(records.row(i)) - file.origin), spacing);
+    if (owner.isNear) owner.beside = besidePoint(file, tree, owner.point);
+    return owner;
+  });
+}
 
 std::shared_ptr<const FormatBaggage> editedGaussians(const PointCloud& file, std::span<const PointState> points,
                                                      unsigned threads) {

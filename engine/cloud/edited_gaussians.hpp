@@ -14,6 +14,19 @@
 
 namespace palpate {
 
+/// What a Gaussian belongs to.
+struct GaussianOwner {
+  static constexpr std::uint32_t kNone = ~0u;
+
+  std::uint32_t point = kNone;  ///< the nearest one; kNone: the Gaussian's centre is not finite, or there are no points
+  double distance = 0;          ///< from it, model units
+  bool isNear = false;          ///< it follows the point
+  /// Of a near one: another point of the same surface, by which its rotation about the normal is seen; or kNone.
+  std::uint32_t beside = kNone;
+};
+/// Of each Gaussian of `file`, which requires Gaussians. O(N log N).
+BareVector<GaussianOwner> gaussianOwners(const PointCloud& file, unsigned threads = 0);
+
 /// The Gaussians of `file` (null: none) with its points in the states `points` (as for editedCloud()): those that stay,
 /// in their order, and then those of new points. All that does not change is the same bit by bit; if nothing does, the
 /// result is the baggage of `file` itself. A new point has copies of the Gaussians that its ancestor in the file has,

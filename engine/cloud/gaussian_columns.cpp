@@ -61,6 +61,18 @@ DVec4 GaussianColumns::rotation(const std::byte* row) const {
   return {load(rotation_[0], row), load(rotation_[1], row), load(rotation_[2], row), load(rotation_[3], row)};
 }
 
+std::size_t GaussianColumns::harmonics() const {
+  const std::size_t each = rest_.size() / 3;
+  for (const std::size_t whole : {kHarmonics, std::size_t{8}, std::size_t{3}})
+    if (each >= whole) return whole;
+  return 0;
+}
+
+DVec3 GaussianColumns::harmonic(const std::byte* row, std::size_t k) const {
+  const std::size_t each = rest_.size() / 3;
+  return {load(rest_[k], row), load(rest_[each + k], row), load(rest_[2 * each + k], row)};
+}
+
 void GaussianColumns::setCenter(std::byte* row, const DVec3& center) const { setThree(center_, row, center); }
 
 void GaussianColumns::move(std::byte* row, const GaussianMotion& motion) const {

@@ -46,6 +46,9 @@ class GaussianColumns {
   DVec4 rotation(const std::byte* row) const;  ///< w x y z, of any length
   float opacityLogit(const std::byte* row) const { return static_cast<float>(load(opacity_, row)); }
   DVec3 color(const std::byte* row) const { return three(color_, row); }  ///< harmonic of degree 0
+  /// Number of harmonics of degree 1 and more in whole degrees up to 3, and the coefficients of one.
+  std::size_t harmonics() const;
+  DVec3 harmonic(const std::byte* row, std::size_t k) const;
 
   void setCenter(std::byte* row, const DVec3& center) const;
   /// Moves, rotates and scales it, with its normal, if it has one, and its colours by direction.

@@ -53,6 +53,7 @@ std::uint64_t nextStamp() {
 DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptions& options)
     : device_(device),
       count_(checkedCount(device, cloud.size() + options.spare)),
+      loadedPoints_(static_cast<std::uint32_t>(cloud.size())),
       hasColors_(cloud.hasColors() || options.painted),
       bounds_(boundsOf(cloud)),
       spacing_(options.spacing),
@@ -63,6 +64,7 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
       attributes_(device, count_),
       shapes_(device, count_),
       latest_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "drawn latest")),
+      end_(Buffer::of<std::uint32_t>(device, 1, Memory::readback, "drawn end")),
       claim_(device, shader_code::render_drawn_cloud_claim, {.pushBytes = sizeof(shared::CatchUpArgs)}),
       apply_(device, shader_code::render_drawn_cloud_apply, {.pushBytes = sizeof(shared::CatchUpArgs)}),
       place_(device, shader_code::render_drawn_cloud_place,
@@ -84,6 +86,8 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
   list_.fill(shapes_.widths, 0, shapes_.widths.bytes());
   list_.end();
   device.throughputQueue().run(list_);
+  end_.mapped<std::uint32_t>()[0] = loadedPoints_;
+  if (gaussiansOf(cloud)) gaussians_.emplace(device, cloud);
   if (!(spacing_ > 0)) return;
   radii_.emplace(device, bounds_, count_, spacing_, options.edited, cloud.positions);
   radii_->measure(points_, shapes_);
@@ -131,7 +135,8 @@ void DrawnCloud::apply(const Entries& entries) {
                                  .colored = hasColors_ ? 1u : 0u,
                                  .marks = radii_ ? 1u : 0u,
                                  .changed = radii_ ? radii_->changed().address() : 0,
-                                 .grid = radii_ ? radii_->grid() : HashGrid{}};
+                                 .grid = radii_ ? radii_->grid() : HashGrid{},
+                                 .end = end_.address()};
   const bool follows = radii_ && radii_->index().isCurrent();
   list_.begin();
   list_.dispatch(claim_, entries.count, args);
@@ -200,9 +205,9 @@ void DrawnCloud::closeSurface() {
 
 std::uint64_t DrawnCloud::bytes() const {
   return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + shapes_.bytes() + picked_.bytes() +
-         latest_.bytes() + attributes_.bytes() + (fromHost_ ? fromHost_->bytes() : 0) +
-         (frame_ ? frame_->positions.bytes() + frame_->normals.bytes() : 0) + (measured_ ? measured_->bytes() : 0) +
-         (radii_ ? radii_->bytes() : 0);
+         latest_.bytes() + end_.bytes() + attributes_.bytes() + (gaussians_ ? gaussians_->bytes() : 0) +
+         (fromHost_ ? fromHost_->bytes() : 0) + (frame_ ? frame_->positions.bytes() + frame_->normals.bytes() : 0) +
+         (measured_ ? measured_->bytes() : 0) + (radii_ ? radii_->bytes() : 0);
 }
 
 }  // namespace palpate

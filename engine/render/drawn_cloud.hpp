@@ -8,6 +8,7 @@
 #include "engine/edit/edit_log.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/render/drawn_attributes.hpp"
+#include "engine/render/drawn_gaussians.hpp"
 #include "engine/render/splat_radii.hpp"
 
 namespace palpate {
@@ -64,6 +65,11 @@ class DrawnCloud {
   /// Mean spacing from the options, and the largest radius of a disc, model units; 0 without discs.
   double spacing() const { return spacing_; }
   double largestRadius() const { return largestRadius_; }
+  /// Null unless the cloud was read from Gaussians.
+  const DrawnGaussians* gaussians() const { return gaussians_ ? &*gaussians_ : nullptr; }
+  /// Number of points as loaded, and of the indices after them that edits have used.
+  std::uint32_t loadedPoints() const { return loadedPoints_; }
+  std::uint32_t addedPoints() const { return end_.mapped<std::uint32_t>()[0] - loadedPoints_; }
   /// Null unless discs are measured again after edits.
   const SplatRadii* radii() const { return radii_ ? &*radii_ : nullptr; }
   std::uint64_t bytes() const;
@@ -78,7 +84,7 @@ class DrawnCloud {
   void apply(const Entries& entries);
 
   Device& device_;
-  std::uint32_t count_;
+  std::uint32_t count_, loadedPoints_;
   bool hasColors_;
   Bounds bounds_;
   double spacing_, largestRadius_ = 0;
@@ -86,7 +92,9 @@ class DrawnCloud {
   Buffer colors_, picked_;
   DrawnAttributes attributes_;
   DiscShapes shapes_;
-  Buffer latest_;                         // count uint32, zero between calls
+  Buffer latest_;  // count uint32, zero between calls
+  Buffer end_;     // one uint32, see CatchUpArgs
+  std::optional<DrawnGaussians> gaussians_;
   std::optional<Buffer> fromHost_;        // PackedState; allocated at the first use
   std::optional<LiveCloud::Half> frame_;  // likewise
   ComputePipeline claim_, apply_, place_, leave_;

@@ -5,6 +5,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/gpu/device.hpp"
+#include "engine/render/gaussian_pass.hpp"
 #include "engine/render/ground.hpp"
 
 namespace palpate {
@@ -17,6 +18,12 @@ std::uint32_t checkedSide(std::uint32_t side) {
 }
 
 }  // namespace
+
+bool showsGaussians(const DrawnCloud& cloud, const FrameOptions& options) {
+  const bool isOwnColor = options.color == ColorBy(ColorSource::rgb);
+  const bool isPicture = options.pass == ImagePass::final || options.pass == ImagePass::color;
+  return options.gaussians && cloud.gaussians() && isOwnColor && isPicture;
+}
 
 void Frame::checkSize(std::uint32_t width, std::uint32_t height) {
   checkedSide(width);
@@ -37,9 +44,10 @@ Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uin
 Frame::~Frame() = default;
 
 void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options) {
+  const auto frame = list.section("frame");
+  if (showsGaussians(cloud, options)) return recordGaussians(list, cloud, camera, options);
   const Drawn about = drawn(cloud, options);
   const RasterTarget target = targetWith(about, camera, options, 0);
-  const auto frame = list.section("frame");
   const Ground* const under = ground(list, cloud, about, options);
   if (options.raster != Raster::compute) {
     recordHardware(list, cloud, target, about, camera, options);
@@ -77,6 +85,19 @@ void Frame::recordHardware(CommandList& list, const DrawnCloud& cloud, const Ras
   if (!hardware_) hardware_ = std::make_unique<HardwareRaster>(device_, size_px());
   const auto section = list.section("splat");
   hardware_->record(list, cloud, target, frameConstants(about, camera, options, size_, 0), 2 * about.widestSplat);
+}
+
+void Frame::recordGaussians(CommandList& list, const DrawnCloud& cloud, const Camera& camera, FrameOptions options) {
+  if (!gaussians_) gaussians_ = std::make_unique<GaussianPass>(device_);
+  options.light = {.ground = options.light.ground};  // theirs was trained
+  options.smooth_px = 0;
+  options.closeHoles = false;
+  const Drawn about = drawn(cloud, options);
+  const RasterTarget target = targetWith(about, camera, options, 0);
+  const Ground* const under = ground(list, cloud, about, options);
+  list.fill(depth_, shared::kNoDepth, depth_.bytes());
+  gaussians_->prepare(list, cloud, target, size_);
+  shading_.record(list, target, camera, options, under, gaussians_.get());
 }
 
 void Frame::recordClear(CommandList& list, bool colors) const {

@@ -14,11 +14,16 @@
 
 namespace palpate {
 
+class GaussianPass;
 class Ground;
 
+/// Whether a picture of this cloud with these options is composited of the file's Gaussians: for its own colours, as
+/// fields, heights, normals and most passes are of the surface.
+bool showsGaussians(const DrawnCloud& cloud, const FrameOptions& options);
+
 /// A picture of a cloud by surface splatting (Zwicker et al. 2001), in compute shaders or by the graphics pipeline, or
-/// of a mesh by its triangles: the passes and the images between them. The same input gives the same bytes on the same
-/// device. Part of the sight side.
+/// of its Gaussians, or of a mesh by its triangles: the passes and the images between them. The same input gives the
+/// same bytes on the same device. Part of the sight side.
 class Frame {
  public:
   /// Number of recordings in flight: each has its own constants.
@@ -55,6 +60,8 @@ class Frame {
   // Also writes the constants of the next recording.
   RasterTarget targetWith(const Drawn& about, const Camera& camera, const FrameOptions& options, std::uint32_t tiles);
   void recordClear(CommandList& list, bool colors) const;
+  // Replaces all but the shading.
+  void recordGaussians(CommandList& list, const DrawnCloud& cloud, const Camera& camera, FrameOptions options);
   // Replaces clearing and the compute passes.
   void recordHardware(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target, const Drawn& about,
                       const Camera& camera, const FrameOptions& options);
@@ -69,7 +76,8 @@ class Frame {
   TriangleRaster triangles_;
   Shading shading_;
   std::unique_ptr<HardwareRaster> hardware_;  // made at its first use
-  std::unique_ptr<Ground> ground_;            // likewise
+  std::unique_ptr<Ground> ground_;            // these likewise
+  std::unique_ptr<GaussianPass> gaussians_;
   Buffer constants_;
   std::uint32_t recordings_ = 0;
   Buffer depth_, normalSums_, colorSums_;

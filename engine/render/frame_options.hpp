@@ -151,7 +151,9 @@ struct FrameOptions {
   ImagePass pass = ImagePass::final;
   ColorBy color = ColorSource::rgb;
   ColorMap colorMap = ColorMap::terrain;  ///< of fields, depths and heights
-  double splatRadius = 0;   ///< common radius of all points, model units; 0: each has its own (DrawnOptions::spacing)
+  double splatRadius = 0;  ///< common radius of all points, model units; 0: each has its own (DrawnOptions::spacing)
+  /// Composites the Gaussians of a file that has them, in place of discs (showsGaussians()).
+  bool gaussians = false;
   bool everyPoint = false;  ///< draws all points, even if a subset suffices because many share a sample
   bool closeHoles = true;   ///< fills gaps of a few spacings from the surface around them, also in depth
   /// Radius in pixels within which depth is smoothed along the surface; normals are then derived from depth. 0: normals

@@ -1,6 +1,7 @@
 #include "engine/render/shading.hpp"
 
 #include "engine/gpu/device.hpp"
+#include "engine/render/gaussian_pass.hpp"
 #include "engine/render/ground.hpp"
 #include "engine/render/relief.hpp"
 #include "shaders/compiled.hpp"
@@ -61,7 +62,7 @@ void Shading::recordShade(CommandList& list, const RasterTarget& target, DeviceA
 }
 
 void Shading::record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options,
-                     const Ground* ground) {
+                     const Ground* ground, const GaussianPass* gaussians) {
   {
     const auto section = list.section("holes");
     list.dispatch(closeHoles_, samples(),
@@ -71,6 +72,7 @@ void Shading::record(CommandList& list, const RasterTarget& target, const Camera
   const auto section = list.section("shade");
   recordShade(list, target, depth, options.pass == ImagePass::final ? options.light : Light());
   if (ground) ground->recordShadow(list, target, source_.address(), depth, shaded_.address(), samples());
+  if (gaussians) gaussians->blend(list, shaded_.address());
   shared::ResolveArgs resolve{.frame = target.frame,
                               .source = source_.address(),
                               .depth = depth,

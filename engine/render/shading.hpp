@@ -12,6 +12,7 @@
 
 namespace palpate {
 
+class GaussianPass;
 class Ground;
 class Relief;
 
@@ -22,9 +23,9 @@ class Shading {
   Shading(Device& device, const FrameSize& size);
   ~Shading();
 
-  /// `ground`: whose shadow is drawn; null: none.
+  /// `ground`: whose shadow is drawn; null: none. `gaussians`: composited over the surface; null: none.
   void record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options,
-              const Ground* ground);
+              const Ground* ground, const GaussianPass* gaussians = nullptr);
 
   /// A word for each pixel, RGBA8.
   const Buffer& image() const { return image_; }

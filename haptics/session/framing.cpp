@@ -33,6 +33,7 @@ FrameOptions frameOptionsOf(const Model& model, UpAxis up, const ColorConfig& co
   if (field) options.color = field->colors(color);
   options.colorMap = color.mapOf();
   options.splatRadius = discRadiusOf(model);
+  options.gaussians = drawsGaussians(light.gaussians, model.cloud, picture.barePoints);
   options.up = directionOf(up);
   options.shown = model.shown;
   options.light = lightOf(light, model, picture);

@@ -1,6 +1,7 @@
 #include "haptics/session/light_config.hpp"
 
 #include "engine/cloud/estimated_normals.hpp"
+#include "engine/cloud/gaussian_records.hpp"
 #include "haptics/session/model.hpp"
 
 namespace palpate {
@@ -8,6 +9,9 @@ namespace palpate {
 namespace {
 
 constexpr Setting<LightConfig> kLight[]{
+    {"splats", words<&LightConfig::gaussians, kSplatChoices>(), "--splats",
+     "how a splat scene is drawn: gaussians (as it was trained), surface (a disc for each point that is felt), or auto "
+     "(gaussians); other colours than rgb are always of the surface"},
     {"material", words<&LightConfig::material, kMaterialChoices>(), "--material",
      "surface of the model: clay (soft highlights), stone (rough), plaster (white, soft shadows), metal (reflections), "
      "unlit (the colours as they are), or auto (unlit for a file with colours and without normals, else clay)"},
@@ -37,6 +41,15 @@ Light lightOf(const LightConfig& config, const Model& model, const LightFor& pic
           .cavity = config.cavity.value_or(isShaped),
           .ground = config.ground.value_or(!picture.isSoftware),
           .eyeDome = config.eyeDome.value_or(foundUnlit || (picture.barePoints && !picture.isSoftware))};
+}
+
+bool drawsGaussians(const std::optional<bool>& chosen, const PointCloud& cloud, bool barePoints) {
+  return gaussiansOf(cloud) && chosen.value_or(!barePoints);
+}
+
+void requireGaussians(const std::optional<bool>& chosen, const PointCloud& cloud, std::string_view option) {
+  if (chosen == true && !gaussiansOf(cloud))
+    throw UsageError("{}: the model contains no Gaussians; choose surface or auto", option);
 }
 
 }  // namespace palpate

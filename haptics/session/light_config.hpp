@@ -1,4 +1,4 @@
-// Settings of how a picture lights the surface. Independent of Vulkan.
+// Settings of how a picture draws and lights the model. Independent of Vulkan.
 #pragma once
 
 #include <array>
@@ -23,11 +23,14 @@ inline constexpr std::array<std::pair<std::string_view, std::optional<Material>>
      {"unlit", Material::unlit}}};
 inline constexpr std::array<std::pair<std::string_view, std::optional<bool>>, 3> kSwitchChoices{
     {{"auto", std::nullopt}, {"on", true}, {"off", false}}};
+inline constexpr std::array<std::pair<std::string_view, std::optional<bool>>, 3> kSplatChoices{
+    {{"auto", std::nullopt}, {"gaussians", true}, {"surface", false}}};
 
-/// Empty: automatic (lightOf()).
+/// Empty: automatic (lightOf(), drawsGaussians()).
 struct LightConfig {
   std::optional<Material> material;
   std::optional<bool> occlusion, cavity, ground, eyeDome;
+  std::optional<bool> gaussians;  ///< of a file that has them; else its surface
 
   bool operator==(const LightConfig&) const = default;
 };
@@ -43,5 +46,10 @@ struct LightFor {
 /// unlit colours, only the ground. Eye-dome light: for what has no other light: on for such colours, and for bare
 /// points unless the driver is software.
 Light lightOf(const LightConfig& config, const Model& model, const LightFor& picture);
+
+/// For FrameOptions::gaussians: auto draws them if the file has them and points with discs are drawn.
+bool drawsGaussians(const std::optional<bool>& chosen, const PointCloud& cloud, bool barePoints = false);
+/// Throws UsageError, which begins with `option`, if Gaussians are chosen and the cloud has none.
+void requireGaussians(const std::optional<bool>& chosen, const PointCloud& cloud, std::string_view option);
 
 }  // namespace palpate

@@ -40,6 +40,7 @@ std::optional<ColoredField> SessionPicture::shownField(const Layer& layer, const
 Image SessionPicture::draw(const Layer& layer, const History* history, const PictureRequest& request) {
   const Model& model = *layer.model;
   Frame::checkSize(request.width, request.height);
+  requireGaussians(request.light.gaussians, model.cloud, "splats");
   if (drawn_ && history && history->points().size() > drawn_->count()) drawn_.reset();
   if (!drawn_) {
     constexpr std::size_t kMinNew = 1 << 16;

@@ -34,4 +34,5 @@ void main() {
   const uint color = args.entries.at[slot].color;
   if (args.colored != 0) args.colors.at[id] = color == 0 ? kUnpainted : color;  // 0: it has no colour (yet, or again)
   args.latest.at[id] = 0;
+  if (!gone && id >= args.end.at[0]) atomicMax(args.end.at[0], id + 1);  // a stale read is smaller
 }

@@ -20,8 +20,9 @@ struct CatchUpArgs {
   uint marks;                      // not 0: marks buckets in which a point was added, removed, moved or rotated
   PALPATE_ADDRESS(Uints) changed;  // a bit for each bucket
   HashGrid grid;
+  PALPATE_ADDRESS(Uints) end;  // one word: one past the last point that was ever there
 };
-PALPATE_SIZE(CatchUpArgs, 96);
+PALPATE_SIZE(CatchUpArgs, 104);
 
 // A disc is measured again if its point moves by more than this many mean spacings, or the end of its normal by more
 // than this: frames of a camera move all visible points by part of their noise, and discs overlap by far more.

@@ -79,6 +79,30 @@ TEST_CASE("convert keeps a splat scene in PLY, crops its Gaussians, and says wha
   checkEnds(1, convert + splats.name("faint.las") + " --where 'opacity < -3'", {"contains no points"});
 }
 
+TEST_CASE("a picture of a splat scene is of its Gaussians, says so, and shows the surface when that is chosen") {
+  const Splats splats(2);
+  const auto drawn = [&](const std::string& options) {
+    const std::string render = "render " + splats.name("scene.ply") + " --size 120x90 -o " + splats.name("p.png");
+    const Outcome outcome = palpate(render + " --json " + splats.name("p.json") + " " + options);
+    CHECK(outcome.code == 0);
+    return std::pair(outcome.text, contentOf(splats.folder / "p.png"));
+  };
+  const auto [words, gaussians] = drawn("");
+  CHECK(says(words, "p.png: 3900 Gaussians of degree 2, drawn as they were trained"));
+  CHECK(jsonOf(splats.folder / "p.json")["gaussians"] == 3900);
+  CHECK(drawn("--splats gaussians").second == gaussians);
+  for (const std::string surface : {"--splats surface", "--mode points", "--color-by height", "--pass normal"}) {
+    CAPTURE(surface);
+    const auto [said, picture] = drawn(surface);
+    CHECK(said.find("drawn as they were trained") == std::string::npos);
+    CHECK((picture != gaussians));
+    CHECK_FALSE(jsonOf(splats.folder / "p.json").contains("gaussians"));
+  }
+  works("--quiet make sphere -n 500 -o " + splats.name("s.ply"));
+  checkEnds(2, "render " + splats.name("s.ply") + " --splats gaussians -o " + splats.name("s.png"),
+            {"--splats: the model contains no Gaussians; choose surface or auto"});
+}
+
 TEST_CASE("a push moves the Gaussians under it, and undoing it gives the scene back byte by byte") {
   for (const unsigned degree : {0, 3}) {
     CAPTURE(degree);

@@ -192,6 +192,10 @@ TEST_CASE("a picture with an invalid size, buffer or camera is refused, and a va
   CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("color_range: '3' is not LOW,HIGH"));
   view = picture.options();
+  view.splats = "gaussians";
+  CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("splats: the model contains no Gaussians"));
+  view = picture.options();
   view.width = 0;
   CHECK(pp_session_render(ball.session, &view, rgba.data(), rgba.size()) == PP_ERROR_ARGUMENT);
   view = picture.options();

@@ -45,6 +45,7 @@ def test_each_hint_lists_exactly_the_words_that_the_library_accepts(ball: pp.Clo
         assert words_in_error(lambda: session.render(material=wrong)) == set(get_args(_types.Material))
         assert words_in_error(lambda: session.render(cavity=wrong)) == set(get_args(_types.Switch))
         assert words_in_error(lambda: session.render(projection=wrong)) == set(get_args(_types.Projection))
+        assert words_in_error(lambda: session.render(splats=wrong)) == set(get_args(_types.Splats))
         assert words_in_error(lambda: session.live(builtin=wrong)) == set(get_args(_types.BuiltinPath)) - {"stir"}
 
 

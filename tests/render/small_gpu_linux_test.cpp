@@ -1,8 +1,11 @@
 // Pictures on a GPU with small workgroups.
+#include <cmath>
+
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "tests/labels.hpp"
 #include "tests/lost_gpu/lost_gpu.hpp"
+#include "tests/render/gaussian_reference.hpp"
 #include "tests/render/picture_fixture.hpp"
 
 namespace palpate::small_gpu_test {
@@ -39,6 +42,30 @@ TEST_CASE("a GPU with small workgroups draws the same picture") {
   Device small({.gpu = "", .validation = askedCoreValidation()});
   CHECK(pictureOf(small, {}).rgba == expected.rgba);
   CHECK(pictureOf(small, all).rgba == expectedLight.rgba);
+  CHECK(small.instance().messages().take().empty());
+}
+
+TEST_CASE("a GPU with small workgroups draws the same Gaussians") {
+  std::vector<FileGaussian> gaussians;
+  for (int k = 0; k < 3'000; ++k)
+    gaussians.push_back(
+        {.center = DVec3(std::sin(k), std::cos(3 * k), std::sin(2 * k)), .color = DVec3(std::sin(5 * k))});
+  PointCloud cloud = sampleShape(*makeShape("sphere", 2.0), {.count = 200});
+  cloud.storedAs.baggage = recordsOf(gaussians);
+  const auto pictureOf = [&](Device& device) {
+    Frame frame(device, kWidth, kHeight, 1);
+    const DrawnCloud drawn(device, cloud);
+    CommandList list(device, device.throughputQueue(), "picture");
+    list.begin();
+    frame.record(list, drawn, cameraAt(4), {.gaussians = true});
+    list.end();
+    device.throughputQueue().run(list);
+    return frame.readColor();
+  };
+  const Image expected = pictureOf(plainDevice());
+  const LostGpuLayer layer(kMinGpu);
+  Device small({.gpu = "", .validation = askedCoreValidation()});
+  CHECK(pictureOf(small).rgba == expected.rgba);
   CHECK(small.instance().messages().take().empty());
 }
 

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "engine/cloud/estimated_normals.hpp"
+#include "engine/cloud/gaussian_records.hpp"
 #include "haptics/session/model.hpp"
 
 namespace palpate::light_config_test {
@@ -55,6 +56,21 @@ TEST_CASE("what is requested is drawn on any driver") {
           Light{.material = Material::metal, .occlusion = true, .cavity = true, .ground = true, .eyeDome = true});
     CHECK(lightOf(none, modelWith(true, true), picture) == Light());
   }
+}
+
+TEST_CASE("a splat scene is drawn by its Gaussians unless its surface or bare points are chosen") {
+  PointCloud cloud;
+  CHECK_FALSE(drawsGaussians(std::nullopt, cloud));
+  CHECK_NOTHROW(requireGaussians(std::nullopt, cloud, "--splats"));
+  CHECK_THROWS_WITH_AS(requireGaussians(true, cloud, "--splats"), doctest::Contains("--splats: the model contains no"),
+                       UsageError);
+  cloud.storedAs.baggage = std::make_shared<const GaussianRecords>(
+      std::vector<GaussianRecords::Column>{{"x", ScalarType::f32, 0}}, BareVector<std::byte>());
+  CHECK(drawsGaussians(std::nullopt, cloud));
+  CHECK(drawsGaussians(true, cloud, true));
+  CHECK_FALSE(drawsGaussians(false, cloud));
+  CHECK_FALSE(drawsGaussians(std::nullopt, cloud, true));
+  CHECK_NOTHROW(requireGaussians(true, cloud, "--splats"));
 }
 
 }  // namespace palpate::light_config_test

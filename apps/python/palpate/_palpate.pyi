@@ -16,6 +16,7 @@ from ._types import (
     MeshSurface,
     Projection,
     SessionOptions,
+    Splats,
     SurfaceKind,
     Switch,
     Validity,
@@ -311,6 +312,7 @@ class _Session:
         projection: Projection = ...,
         ortho_height: float = ...,
         transparent: bool = ...,
+        splats: Splats = ...,
     ) -> NDArray[np.uint8]: ...
     def mesh(self, resolution: int = ..., surface: MeshSurface = ..., radius_mm: float | None = ...) -> Mesh: ...
     def add_frame(

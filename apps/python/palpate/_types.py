@@ -13,6 +13,7 @@ MaskKind = Literal["selected", "hidden", "locked", "within"]
 Material = Literal["auto", "clay", "stone", "plaster", "metal", "unlit"]
 MeshSurface = Literal["sphere", "average", "sharp", "density"]
 Projection = Literal["perspective", "orthographic", "isometric"]
+Splats = Literal["auto", "gaussians", "surface"]
 SurfaceKind = Literal["average", "sphere", "sharp"]
 Switch = Literal["auto", "on", "off"]
 ToolKind = Literal["point", "pad", "ball", "spatula"]
@@ -54,6 +55,7 @@ __all__ = [
     "MeshSurface",
     "Projection",
     "SessionOptions",
+    "Splats",
     "SurfaceKind",
     "Switch",
     "ToolKind",

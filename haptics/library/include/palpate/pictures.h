@@ -44,6 +44,9 @@ typedef struct pp_picture_options {
   const char* projection; /**< "perspective", "orthographic", or "isometric" (orthographic, from the front, the right
                              and above); null: perspective */
   double ortho_height;    /**< of an orthographic picture, model units; 0: so that the model fills it */
+  /** How a splat scene is drawn: "gaussians" as it was trained, "surface" as the points that are felt; null or "auto":
+   * gaussians. Other colours than rgb are always of the points */
+  const char* splats;
 } pp_picture_options;
 PP_OPTIONS(picture_options)
 /** Draws the present points into `rgba`: rows from the top, 4 bytes for each pixel; `bytes` is the size of the buffer.
