@@ -75,7 +75,7 @@ struct ViewStatus {
   std::optional<double> onTime_percent;  ///< ticks of the hand that were on time; empty: no hand is live
   std::optional<PlaceInfo> picked;       ///< the last picked position
   std::optional<double> measured;        ///< distance of the two picked positions, units
-  std::vector<PictureLabel> labels;  ///< of the guides
+  std::vector<PictureLabel> labels;      ///< of the guides
   std::optional<DVec2> measuredAt_px;    ///< middle between them in the picture
   std::optional<Legend> legend;          ///< set where points are coloured by height or by a field
   const ColoredField* field = nullptr;   ///< that field
