@@ -123,6 +123,7 @@ void stateUp(Log& log, const ConvertOptions& options, const CloudFormat& to, std
 Json prepare(Context& context, const ConvertOptions& options, StoredCloud& stored) {
   Json steps = Json::array();
   PointCloud& cloud = stored.cloud;
+  const std::optional<UpAxis> up = valueNamed(kUpAxes, options.up);
   if (const std::optional<Preparation> preparation = options.prepare.given()) {
     Progress progress(context.log(), "select and clean");
     const auto report = [&](const PreparedStep& step) {
@@ -136,7 +137,7 @@ Json prepare(Context& context, const ConvertOptions& options, StoredCloud& store
     const double given = options.scale.given();
     const double ofUnit = mmIn(valueNamed(kLengthUnits, options.unit).value_or(LengthUnit::unknown)).value_or(0);
     const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, given > 0 ? given : ofUnit),
-                              .up = valueNamed(kUpAxes, options.up),
+                              .up = up,
                               .threads = context.threads()};
     const auto distances =
         context.hasRealGpu() ? neighbourDistancesOn([&]() -> Device& { return context.device(); }) : nullptr;
@@ -149,12 +150,12 @@ Json prepare(Context& context, const ConvertOptions& options, StoredCloud& store
     cloud = std::move(prepared.cloud);
     if (prepared.numbers.size() < before) stored.triangles = chosenTriangles(stored.triangles, prepared.numbers);
   }
-  if (options.normals == "estimate") estimateNormals(cloud, 16, context.threads());
+  if (options.normals == "estimate") estimateNormals(cloud, 16, context.threads(), up);
   const bool flips = options.normals == "flip";
   if ((flips || options.normals == "orient") && !cloud.hasNormals())
     throw Error("{}: has no normals to {}; use --normals estimate", options.input, options.normals);
   if (flips) flipNormals(cloud);
-  if (options.normals == "orient") orientNormals(cloud, context.threads());
+  if (options.normals == "orient") orientNormals(cloud, context.threads(), up);
   return steps;
 }
 

@@ -104,8 +104,8 @@ CleanTask::Found CleanTask::find(const Given& given) {
 
 CleanTask::Found CleanTask::findNormals(const Given& given) {
   PointCloud cloud = given.present;
-  if (given.command.normals == NormalSource::estimate) estimateNormals(cloud);
-  if (given.command.normals == NormalSource::orient) orientNormals(cloud);
+  if (given.command.normals == NormalSource::estimate) estimateNormals(cloud, 16, given.fields.threads, given.fields.up);
+  if (given.command.normals == NormalSource::orient) orientNormals(cloud, given.fields.threads, given.fields.up);
   if (given.command.normals == NormalSource::flip) flipNormals(cloud);
   SetPoints set;
   for (std::size_t i = 0; i < cloud.size(); ++i) {

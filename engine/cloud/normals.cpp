@@ -137,16 +137,16 @@ std::vector<Vec3> keepEdges(std::span<const Vec3> points, std::span<const Fitted
 }
 
 void signNormals(std::span<const Vec3> points, std::span<const FittedPlane> planes, const NeighbourGraph& graph,
-                 std::span<Vec3> normals, unsigned threads) {
+                 std::span<Vec3> normals, unsigned threads, UpAxis up) {
   std::vector<Vec3> signedPlanes;
   signedPlanes.reserve(planes.size());
   for (const FittedPlane& plane : planes) signedPlanes.push_back(plane.normal);
-  orientNormals(points, signedPlanes, graph, threads);
+  orientNormals(points, signedPlanes, graph, threads, up);
   for (std::size_t i = 0; i < normals.size(); ++i)
     if (glm::dot(normals[i], signedPlanes[i]) < 0) normals[i] = -normals[i];
 }
 
-void estimateNormals(PointCloud& cloud, unsigned neighbours, unsigned threads) {
+void estimateNormals(PointCloud& cloud, unsigned neighbours, unsigned threads, std::optional<UpAxis> up) {
   const Places places = distinctPlaces(cloud.positions);
   const std::size_t count = places.positions.size();
   std::vector<FittedPlane> planes(count);
@@ -157,7 +157,7 @@ void estimateNormals(PointCloud& cloud, unsigned neighbours, unsigned threads) {
   const PointTree tree(places.positions);
   fitPlanes(tree, places.positions, all, neighbours, planes, graph, threads);
   std::vector<Vec3> normals = keptEdges(tree, places.positions, planes, threads);
-  signNormals(places.positions, planes, graph, normals, threads);
+  signNormals(places.positions, planes, graph, normals, threads, up ? *up : findUp(cloud).up);
   spreadNormals(cloud, places, normals);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -16,9 +17,10 @@ namespace palpate {
 /// Duchamp, McDonald and Stuetzle 1992, "Surface reconstruction from unorganized points", section 3.2), or of four
 /// times as many if the points are noisy and the wider neighbourhood is flatter (neighbourhood size by noise: Mitra and
 /// Nguyen 2003, "Estimating surface normals in noisy point cloud data"). Next to an edge, that of keepEdges(). Signs as
-/// in orientNormals(). Coincident points count once. Always unit length, even if the neighbours are on a line. The
-/// result does not depend on `threads`. On the GPU: engine/contact/normal_estimate.hpp.
-void estimateNormals(PointCloud& cloud, unsigned neighbours = 16, unsigned threads = 0);
+/// in orientNormals(), where up is that of the user, or findUp(). Coincident points count once. Always
+/// unit length, even if the neighbours are on a line. The result does not depend on `threads`. On the GPU:
+/// engine/contact/normal_estimate.hpp.
+void estimateNormals(PointCloud& cloud, unsigned neighbours = 16, unsigned threads = 0, std::optional<UpAxis> up = {});
 
 struct FittedPlane {
   Vec3 normal{0};     ///< unit, of either sign
@@ -41,7 +43,7 @@ std::vector<Vec3> keepEdges(std::span<const Vec3> points, std::span<const Fitted
 
 /// Orients the normals like their planes, which are oriented by orientNormals().
 void signNormals(std::span<const Vec3> points, std::span<const FittedPlane> planes, const NeighbourGraph& graph,
-                 std::span<Vec3> normals, unsigned threads = 0);
+                 std::span<Vec3> normals, unsigned threads, UpAxis up);
 
 /// Gives each point the normal of its place in `places`.
 void spreadNormals(PointCloud& cloud, const Places& places, std::span<const Vec3> normals);

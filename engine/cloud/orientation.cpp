@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <utility>
 
+#include "engine/cloud/outward.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/core/stop_checks.hpp"
 #include "engine/core/worker_team.hpp"
@@ -15,7 +17,7 @@ namespace {
 /// Groups of points with known relative signs. Each point knows whether it is flipped against its group.
 class SignGroups {
  public:
-  explicit SignGroups(std::size_t count) : parent_(count), flipped_(count, 0) {
+  explicit SignGroups(std::size_t count) : parent_(count), sizes_(count, 1), flipped_(count, 0) {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
 
@@ -38,17 +40,19 @@ class SignGroups {
     root(i);
     return flipped_[i] != 0;
   }
+  std::uint32_t sizeOf(std::uint32_t i) { return sizes_[root(i)]; }
   /// Joins the groups of `a` and `b` so that their signs differ if `differ` is set; does nothing if they are already
   /// joined.
   void join(std::uint32_t a, std::uint32_t b, bool differ) {
     const std::uint32_t rootA = root(a), rootB = root(b);
     if (rootA == rootB) return;
     parent_[rootB] = rootA;
+    sizes_[rootA] += sizes_[rootB];
     flipped_[rootB] = static_cast<std::uint8_t>((flipped_[a] ^ flipped_[b] ^ (differ ? 1 : 0)) & 1);
   }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint32_t> parent_, sizes_;
   std::vector<std::uint8_t> flipped_;  // against the parent; 0 for roots
 };
 
@@ -57,84 +61,160 @@ constexpr std::size_t kClasses = 256;
 /// An edge of the spanning tree. The cost is rounded to a byte, which makes the sort one counting pass and changes the
 /// tree only among edges of about equal cost.
 struct Edge {
-  std::size_t costClass;
-  bool differ;  ///< whether the current normals disagree
+  std::size_t costClass;  ///< kClasses more for a long one
+  bool differ;            ///< whether the current normals disagree
 };
 
-Edge edgeBetween(std::span<const Vec3> points, std::span<const Vec3> normals, std::size_t i, std::size_t j) {
-  const Vec3 along = glm::normalize(points[j] - points[i]);
+// An edge that is longer than this, in reaches of one of its ends, or of the second if only one end knows the other,
+// leads from a point that floats about to a surface, or from a sparse part of a surface to a dense one.
+constexpr float kLong = 3, kLongOneWay = 1.8f;
+// Number of points from which on long edges alone join a part to another only if enough of them agree: a part of n
+// points has a border of about sqrt(n), whereas the signs of points that float about are random. Of these edges count
+// those up to a cost; most edges from a point that floats about are normal to the surface.
+constexpr std::uint32_t kPart = 500;
+constexpr double kAgree = 0.8, kBorder = 1;
+constexpr float kSmooth = 0.6f;
+
+constexpr std::size_t classOf(float cost) { return static_cast<std::size_t>(std::min(cost, 1.0f) * (kClasses - 1)); }
+
+Edge edgeBetween(std::span<const Vec3> points, std::span<const Vec3> normals, std::span<const float> reaches,
+                 std::size_t i, std::size_t j, bool isMutual) {
+  const Vec3 way = points[j] - points[i];
+  const Vec3 along = glm::normalize(way);
   const float offI = glm::dot(normals[i], along), offJ = glm::dot(normals[j], along);
   const float agreement = glm::dot(normals[i], normals[j]) - 2 * offI * offJ;
   const float turn = std::sqrt(1 - std::min(1.0f, std::abs(agreement)));
   const float cost = std::max({turn, std::abs(offI), std::abs(offJ)});
-  return {static_cast<std::size_t>(std::min(cost, 1.0f) * (kClasses - 1)), agreement < 0};
+  const bool isLong = glm::length(way) > (isMutual ? kLong : kLongOneWay) * std::min(reaches[i], reaches[j]);
+  return {classOf(cost) + (isLong ? kClasses : 0), agreement < 0};
+}
+
+/// The mean distance of each point to its neighbours; 0 for one without any.
+std::vector<float> reachesOf(std::span<const Vec3> points, const NeighbourGraph& graph, unsigned threads) {
+  std::vector<float> reaches(points.size());
+  parallelFor(points.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      float sum = 0, count = 0;
+      for (const std::uint32_t j : graph.of(i)) {
+        if (j == NeighbourGraph::kNobody || j == i) continue;
+        sum += glm::length(points[j] - points[i]);
+        ++count;
+      }
+      reaches[i] = count > 0 ? sum / count : 0;
+    }
+  });
+  return reaches;
 }
 
 using EdgeEnds = std::array<std::uint32_t, 2>;
 constexpr std::uint32_t kDiffer = 1u << 31;  // in the second end; clouds hold fewer points than that
 
-/// The edges of the graph, each once, by cost and then by their points.
-std::vector<EdgeEnds> edgesByCost(std::span<const Vec3> points, std::span<const Vec3> normals,
-                                  const NeighbourGraph& graph, unsigned threads) {
+/// The edges of the graph, each once: the long ones last, by cost and then by their points.
+struct SortedEdges {
+  std::vector<EdgeEnds> all;
+  std::size_t firstLong = 0, firstSteep = 0;  ///< of the long ones that cost more than kSmooth
+};
+
+SortedEdges edgesByCost(std::span<const Vec3> points, std::span<const Vec3> normals, const NeighbourGraph& graph,
+                        std::span<const float> reaches, unsigned threads) {
   constexpr std::size_t kChunk = 1 << 15;
   const std::size_t chunks = (points.size() + kChunk - 1) / kChunk;
   const auto forEachEdge = [&](std::size_t chunk, auto&& body) {
     for (std::size_t i = chunk * kChunk; i < std::min(points.size(), (chunk + 1) * kChunk); ++i)
       for (const std::uint32_t j : graph.of(i)) {
         if (j == NeighbourGraph::kNobody || j == i) continue;
-        const bool seenFromOtherEnd = j < i && graph.hasEdge(j, static_cast<std::uint32_t>(i));
-        if (!seenFromOtherEnd) body(static_cast<std::uint32_t>(i), j, edgeBetween(points, normals, i, j));
+        const bool isMutual = graph.hasEdge(j, static_cast<std::uint32_t>(i));
+        if (isMutual && j < i) continue;  // seen from the other end
+        body(static_cast<std::uint32_t>(i), j, edgeBetween(points, normals, reaches, i, j, isMutual));
       }
   };
   WorkerTeam team(threads);
-  std::vector<std::array<std::size_t, kClasses>> next(chunks);  // first counts, then the index of a chunk's next edge
+  std::vector<std::array<std::size_t, 2 * kClasses>> next(chunks);  // counts, then the index of a chunk's next edge
   team.forEach(chunks, [&](std::size_t chunk) {
     next[chunk].fill(0);
     forEachEdge(chunk, [&](std::uint32_t, std::uint32_t, const Edge& edge) { ++next[chunk][edge.costClass]; });
   });
   std::size_t total = 0;
-  for (std::size_t costClass = 0; costClass < kClasses; ++costClass)
+  for (std::size_t costClass = 0; costClass < 2 * kClasses; ++costClass)
     for (auto& chunk : next) total += std::exchange(chunk[costClass], total);
-  std::vector<EdgeEnds> edges(total);
+  SortedEdges sorted{.all = std::vector<EdgeEnds>(total)};
+  if (chunks > 0) sorted.firstLong = next[0][kClasses], sorted.firstSteep = next[0][kClasses + classOf(kSmooth)];
   team.forEach(chunks, [&](std::size_t chunk) {
     forEachEdge(chunk, [&](std::uint32_t i, std::uint32_t j, const Edge& edge) {
-      edges[next[chunk][edge.costClass]++] = {i, j | (edge.differ ? kDiffer : 0)};
+      sorted.all[next[chunk][edge.costClass]++] = {i, j | (edge.differ ? kDiffer : 0)};
     });
   });
-  return edges;
+  return sorted;
 }
 
-/// For each point whether its normal is flipped, so that each group's highest point faces upwards.
-std::vector<std::uint8_t> turnsOf(std::span<const Vec3> points, std::span<const Vec3> normals, SignGroups& groups) {
+struct Ends {
+  std::uint32_t a, b;
+  bool differ;
+};
+
+Ends unpacked(const EdgeEnds& edge) { return {edge[0], edge[1] & ~kDiffer, (edge[1] & kDiffer) != 0}; }
+
+/// Joins the parts between which enough of the long edges agree.
+void joinParts(const SortedEdges& edges, SignGroups& groups) {
+  std::map<EdgeEnds, std::array<std::uint32_t, 2>> votes;  // of two parts: edges along which their signs agree, differ
+  for (std::size_t k = edges.firstLong; k < edges.firstSteep; ++k) {
+    const Ends ends = unpacked(edges.all[k]);
+    const std::uint32_t a = groups.root(ends.a), b = groups.root(ends.b);
+    if (a == b || groups.sizeOf(a) < kPart || groups.sizeOf(b) < kPart) continue;
+    const bool differ = ends.differ != (groups.isFlipped(ends.a) != groups.isFlipped(ends.b));
+    ++votes[{std::min(a, b), std::max(a, b)}][differ ? 1 : 0];
+  }
+  for (const auto& [parts, count] : votes) {
+    const double all = count[0] + count[1], most = std::max(count[0], count[1]);
+    const double border = kBorder * std::sqrt(std::min(groups.sizeOf(parts[0]), groups.sizeOf(parts[1])));
+    if (all >= border && most >= kAgree * all) groups.join(parts[0], parts[1], count[1] > count[0]);
+  }
+}
+
+/// For each point whether its normal is flipped, so that each group faces outwards.
+std::vector<std::uint8_t> turnsOf(std::span<const Vec3> points, std::span<const Vec3> normals,
+                                  std::span<const float> reaches, SignGroups& groups, UpAxis up, unsigned threads) {
   const auto count = static_cast<std::uint32_t>(points.size());
-  std::vector<std::uint32_t> highest(count);
-  std::iota(highest.begin(), highest.end(), 0u);
+  std::vector<std::uint32_t> next(count + 1);  // counts, then first members, then the end of each group's members
   StopChecks checks;
   for (std::uint32_t i = 0; i < count; ++i) {
     checks();
-    std::uint32_t& best = highest[groups.root(i)];
-    if (points[i].z > points[best].z) best = i;
+    ++next[groups.root(i) + 1];
   }
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<std::uint32_t> members(count);
+  for (std::uint32_t i = 0; i < count; ++i) members[next[groups.root(i)]++] = i;
   std::vector<std::uint8_t> turns(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t top = highest[groups.root(i)];
-    const bool groupTurns = (normals[top].z < 0) != groups.isFlipped(top);
-    turns[i] = groupTurns != groups.isFlipped(i);
+  std::vector<SurfacePoint> surface;
+  for (std::uint32_t begin = 0; begin < count; begin += static_cast<std::uint32_t>(surface.size())) {
+    const std::uint32_t end = next[groups.root(members[begin])];
+    surface.clear();
+    for (std::uint32_t n = begin; n < end; ++n) {
+      checks();
+      const std::uint32_t i = members[n];
+      surface.push_back({points[i], groups.isFlipped(i) ? -normals[i] : normals[i], reaches[i]});
+    }
+    const bool inwards = facesInwards(surface, up, threads);
+    for (std::uint32_t n = begin; n < end; ++n) turns[members[n]] = inwards != groups.isFlipped(members[n]);
   }
   return turns;
 }
 
 }  // namespace
 
-void orientNormals(std::span<const Vec3> points, std::span<Vec3> normals, const NeighbourGraph& graph,
-                   unsigned threads) {
+void orientNormals(std::span<const Vec3> points, std::span<Vec3> normals, const NeighbourGraph& graph, unsigned threads,
+                   UpAxis up) {
+  const std::vector<float> reaches = reachesOf(points, graph, threads);
   SignGroups groups(points.size());
   StopChecks checks;
-  for (const EdgeEnds& edge : edgesByCost(points, normals, graph, threads)) {  // Kruskal's algorithm
+  const SortedEdges edges = edgesByCost(points, normals, graph, reaches, threads);
+  for (std::size_t k = 0; k < edges.all.size(); ++k) {  // Kruskal's algorithm
     checks();
-    groups.join(edge[0], edge[1] & ~kDiffer, (edge[1] & kDiffer) != 0);
+    if (k == edges.firstLong) joinParts(edges, groups);
+    const auto [a, b, differ] = unpacked(edges.all[k]);
+    if (k < edges.firstLong || groups.sizeOf(a) < kPart || groups.sizeOf(b) < kPart) groups.join(a, b, differ);
   }
-  const std::vector<std::uint8_t> turns = turnsOf(points, normals, groups);
+  const std::vector<std::uint8_t> turns = turnsOf(points, normals, reaches, groups, up, threads);
   for (std::size_t i = 0; i < normals.size(); ++i)
     if (turns[i]) normals[i] = -normals[i];
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/cloud/up.hpp"
 #include "engine/core/vec.hpp"
 
 namespace palpate {
@@ -28,9 +29,11 @@ struct NeighbourGraph {
 /// normals along it plus the distance of each end from the plane of the other. Two normals agree if one is the mirror
 /// image of the other in the plane half-way between their points, as on a circle through both (Koenig and Gumhold 2009,
 /// "Consistent propagation of normal orientations in point clouds"), which follows edges and distinguishes the two
-/// faces of a sheet. In each connected part the highest point (largest z) faces upwards. The points must be distinct.
-/// The result does not depend on `threads` (0: one per core).
+/// faces of a sheet. Edges that are three times longer than those around one of their ends come last, and
+/// join two parts of 500 points and more only if as many of them agree as along a border, so that points that float
+/// between two parts do not connect these. Each connected part then faces outwards (facesInwards(), for this `up`). The
+/// points must be distinct. The result does not depend on `threads` (0: one per core).
 void orientNormals(std::span<const Vec3> points, std::span<Vec3> normals, const NeighbourGraph& graph,
-                   unsigned threads = 0);
+                   unsigned threads = 0, UpAxis up = UpAxis::z);
 
 }  // namespace palpate

@@ -94,7 +94,7 @@ NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned t
   for (const std::uint32_t i : left) planes.normals[i] = planes.planes[i].normal;
   cost.onHost = left.size();
   cost.planes_ms = watch.elapsed_us() * 1e-3;
-  signNormals(places.positions, planes.planes, planes.graph, planes.normals, threads);
+  signNormals(places.positions, planes.planes, planes.graph, planes.normals, threads, findUp(cloud).up);
   spreadNormals(cloud, places, planes.normals);
   cost.signs_ms = watch.elapsed_us() * 1e-3 - cost.planes_ms;
   return cost;

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-void orientNormals(PointCloud& cloud, unsigned threads) {
+void orientNormals(PointCloud& cloud, unsigned threads, std::optional<UpAxis> up) {
   constexpr unsigned kNeighbours = 16;
   if (!cloud.hasNormals()) return;
   const Places places = distinctPlaces(cloud.positions);
@@ -19,7 +19,7 @@ void orientNormals(PointCloud& cloud, unsigned threads) {
   fitNearestPlanes(places.positions, all, kNeighbours, planes, graph, threads);
   std::vector<Vec3> normals(count);
   for (std::size_t i = 0; i < cloud.size(); ++i) normals[places.placeOf[i]] = cloud.normals[i];
-  orientNormals(places.positions, normals, graph, threads);
+  orientNormals(places.positions, normals, graph, threads, up ? *up : findUp(cloud).up);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (glm::dot(cloud.normals[i], normals[places.placeOf[i]]) < 0) cloud.normals[i] = -cloud.normals[i];
 }
