@@ -53,7 +53,7 @@ std::vector<Operation> operationsOn(const Model& model, unsigned threads) {
        }},
       {"recolour where a condition holds",
        [=, kept = model.cloud](const PointCloud&) mutable {
-         return applyRule("--set", fmt::format("red = 255 if z > {}", low), kept, options);
+         return applyRule("--set", fmt::format("red = 255 if z > {}", low), kept, options).set;
        }},
       {"duplicates", [=](const PointCloud& cloud) { return duplicatePoints(cloud, threads).count(); }},
       {"subsample: 4 spacings",

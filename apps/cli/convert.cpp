@@ -120,7 +120,7 @@ void stateUp(Log& log, const ConvertOptions& options, const CloudFormat& to, std
 }
 
 // Selects and cleans, as the options say, and sets the normals; returns the steps.
-Json prepare(Context& context, const ConvertOptions& options, StoredCloud& stored) {
+Json prepare(Context& context, const ConvertOptions& options, const CloudFormat& to, StoredCloud& stored) {
   Json steps = Json::array();
   PointCloud& cloud = stored.cloud;
   const std::optional<UpAxis> up = valueNamed(kUpAxes, options.up);
@@ -136,18 +136,21 @@ Json prepare(Context& context, const ConvertOptions& options, StoredCloud& store
     };
     const double given = options.scale.given();
     const double ofUnit = mmIn(valueNamed(kLengthUnits, options.unit).value_or(LengthUnit::unknown)).value_or(0);
-    const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, given > 0 ? given : ofUnit),
-                              .up = up,
-                              .threads = context.threads()};
+    const FieldOptions fields{
+        .mm_per_unit = mmPerUnit(cloud, given > 0 ? given : ofUnit), .up = up, .threads = context.threads()};
     const auto distances =
         context.hasRealGpu() ? neighbourDistancesOn([&]() -> Device& { return context.device(); }) : nullptr;
     const std::size_t before = cloud.size();
+    const std::vector<std::string> said = cloud.storedAs.comments;
     if (preparation->fillHoles_mm > 0 && !stored.triangles.empty())
       throw ConfigError("prepare.fill_holes_mm",
                         "{} is written as triangles, whose holes are not closed; --samples N makes points of them",
                         options.output);
     PreparedCloud prepared = palpate::prepared(std::move(cloud), *preparation, fields, report, distances);
     cloud = std::move(prepared.cloud);
+    if (prepared.upright && !to.hasComments && cloud.storedAs.comments != said)
+      context.log().say("{}: {} cannot hold the up axis and the touch scale of the whole model", options.output,
+                        to.name);
     if (prepared.numbers.size() < before) stored.triangles = chosenTriangles(stored.triangles, prepared.numbers);
   }
   if (options.normals == "estimate") estimateNormals(cloud, 16, context.threads(), up);
@@ -183,7 +186,7 @@ Json convertOne(Context& context, const ConvertOptions& options) {
   ConvertInput input = readInput(context, options, to);
   StoredCloud& stored = input.stored;
   requireContents(options, to, stored);
-  const Json steps = prepare(context, options, stored);
+  const Json steps = prepare(context, options, to, stored);
   requireContents(options, to, stored);
   if (options.surface && gaussiansOf(stored.cloud)) {
     stored.lost.push_back(stored.cloud.storedAs.baggage->sentence);

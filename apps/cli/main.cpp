@@ -10,6 +10,7 @@
 #include "apps/cli/config_flags.hpp"
 #include "apps/cli/context.hpp"
 #include "apps/cli/output.hpp"
+#include "apps/cli/prepare_options.hpp"
 #include "apps/cli/standard_streams.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "engine/core/counted.hpp"
@@ -76,6 +77,7 @@ bool isOfWindow(const CLI::App& app, const std::string& word) {
 void parse(CLI::App& app, std::vector<std::string> arguments) {
   if (!arguments.empty() && arguments.front() == "help")
     arguments = helpOf(app, {arguments.begin() + 1, arguments.end()});
+  joinOutliers(arguments);
   std::ranges::reverse(arguments);  // the order that CLI11 expects
   try {
     app.parse(std::vector(arguments));

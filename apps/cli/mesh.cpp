@@ -44,11 +44,9 @@ void mesh(Context& context, const MeshCommandOptions& options) {
   const MeshStep step = cubes.build();
   const double wall_us = watch.elapsed_us();
   progress.set(0.7);
+  requireTriangles(cubes, model, plan, options.model.file);
   Mesh result = cubes.download();
   progress.set(0.8);
-  if (result.triangles.empty())
-    throw Error("{}: no surface within {:.3g} mm (in the hand) of its {}; try a larger --radius", options.model.file,
-                model.scale.toMm(static_cast<double>(plan.lattice.radius)), counted(model.cloud.size(), "point"));
   const double cell = static_cast<double>(plan.lattice.cell);
   const std::vector<std::string> lost = lostInMeshFile(options.output, result);
   if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/core/counted.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/mesh/mesh_memory.hpp"
 
@@ -39,6 +40,15 @@ MeshPlan planFor(const Model& model, const MeshChoices& choices) {
 MarchingCubes makeCubes(Context& context, const Model& model, const MeshPlan& plan) {
   requireMeshMemory(context.device(), predictMeshMemory(model.cloud, plan));
   return {context.device(), model.cloud, plan};
+}
+
+void requireTriangles(const MarchingCubes& cubes, const Model& model, const MeshPlan& plan, const std::string& file) {
+  constexpr std::size_t kNoSurface = 2;  // points
+  if (cubes.triangleCount() > 0) return;
+  const std::string points = counted(model.cloud.size(), "point");
+  if (model.cloud.size() <= kNoSurface) throw Error("{}: {}: too few for a surface, so there is no mesh", file, points);
+  throw Error("{}: no surface within {:.3g} mm (in the hand) of its {}; try a larger --radius", file,
+              model.scale.toMm(static_cast<double>(plan.lattice.radius)), points);
 }
 
 DrawnMesh drawnMesh(const MarchingCubes& cubes, const Model& model) {

@@ -21,6 +21,9 @@ MeshPlan planFor(const Model& model, const MeshChoices& choices);
 /// available.
 MarchingCubes makeCubes(Context& context, const Model& model, const MeshPlan& plan);
 
+/// Throws Error if a mesh of the model has no triangle. `file`: its name in the message.
+void requireTriangles(const MarchingCubes& cubes, const Model& model, const MeshPlan& plan, const std::string& file);
+
 /// Draws the triangles of a mesh of `model`; `cubes` must outlive it.
 DrawnMesh drawnMesh(const MarchingCubes& cubes, const Model& model);
 

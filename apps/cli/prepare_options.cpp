@@ -10,11 +10,15 @@ namespace palpate {
 namespace {
 
 // A whole number and, behind a comma, a length or a factor.
-void readPair(const std::string& option, const std::string& text, const char* form, std::size_t& count, double& value) {
+void readPair(const std::string& option, const std::string& text, const char* form, std::size_t& count, double& value,
+              const Range& range) {
   const auto [first, second] = parseList<double, 2>(text, ',', option, form);
   if (!(first >= 1 && first <= bounds::kMaxNeighbours && first == static_cast<double>(static_cast<int>(first))))
     throw UsageError("{}: '{}' is not {}: the number is not a whole number from 1 to {}", option, text, form,
                      bounds::kMaxNeighbours);
+  if (!(second >= range.min && second <= range.max))
+    throw UsageError("{}: '{}' is not {}: {} is not a number from {} to {}", option, text, form, second, range.min,
+                     range.max);
   count = static_cast<std::size_t>(first);
   value = second;
 }
@@ -28,13 +32,25 @@ std::optional<Preparation> PrepareOptions::given() const {
   if (!outliers.empty()) {
     const bool isPair = outliers.find(',') != std::string::npos;
     readPair("--outliers", isPair ? outliers : outliers + ",1", "K or K,SIGMA, as in 8,1", all.outlierNeighbours,
-             all.outlierSigma);
+             all.outlierSigma, settingNamed<Preparation>("outlier_sigma").range);
   }
   if (!radiusOutliers.empty())
-    readPair("--radius-outliers", radiusOutliers, "N,MM, as in 4,2.5", all.radiusNeighbours, all.radius_mm);
+    readPair("--radius-outliers", radiusOutliers, "N,MM, as in 4,2.5", all.radiusNeighbours, all.radius_mm,
+             settingNamed<Preparation>("radius_mm").range);
   if (all == Preparation{}) return std::nullopt;
   validate(all);
   return all;
+}
+
+void joinOutliers(std::vector<std::string>& arguments) {
+  const auto isNumbers = [](const std::string& word) {
+    return !word.empty() && word.find_first_not_of("0123456789.,-") == word.npos;
+  };
+  for (std::size_t i = 0; i + 1 < arguments.size(); ++i) {
+    if (arguments[i] != settingNamed<Preparation>("outlier_neighbours").flag || !isNumbers(arguments[i + 1])) continue;
+    arguments[i] += "=" + arguments[i + 1];
+    arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+  }
 }
 
 void addPrepareOptions(Options& command, PrepareOptions& options) {

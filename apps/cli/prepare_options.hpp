@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/cli/options.hpp"
 #include "engine/select/preparation.hpp"
@@ -16,6 +17,8 @@ struct PrepareOptions {
   /// Empty if no such option was given. Throws UsageError.
   std::optional<Preparation> given() const;
 };
+/// Joins `--outliers 8,1` to `--outliers=8,1`: its numbers may be left out, and the word behind a flag is a file.
+void joinOutliers(std::vector<std::string>& arguments);
 void addPrepareOptions(Options& command, PrepareOptions& options);
 
 }  // namespace palpate

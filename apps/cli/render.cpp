@@ -68,8 +68,10 @@ void checkRenderOptions(const Context& context, const RenderOptions& options) {
 void drawMesh(Context& context, Model& model, const RenderOptions& options, const PictureFiles& files) {
   const auto field = coloredField(context, model, {.cloud = model.cloud, .states = {}}, options.picture);
   if (field) model.cloud.colors = field->pointColors(options.picture.color);
-  MarchingCubes cubes = makeCubes(context, model, planFor(model, options.mesh));
+  const MeshPlan plan = planFor(model, options.mesh);
+  MarchingCubes cubes = makeCubes(context, model, plan);
   cubes.build();
+  requireTriangles(cubes, model, plan, options.model.file);
   takePicture(context, model, drawnMesh(cubes, model), field ? &*field : nullptr, options.picture, {}, files);
 }
 

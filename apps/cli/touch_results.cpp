@@ -146,6 +146,8 @@ constexpr Reported<TouchReport> kTouch[]{
      [](const TouchReport& r) -> Value { return r.blocked.moves; }},
     {"blocked_edits", "", "edits in which nearly all points under the brush had no room",
      [](const TouchReport& r) -> Value { return r.blocked.edits; }},
+    {"edits_from_behind", "", "edits without an effect, since the hand was at the back of an open surface",
+     [](const TouchReport& r) -> Value { return r.blocked.fromBehind; }},
     {"backend", "", "back end that answered", [](const TouchReport& r) -> Value { return r.backend; }},
     {"gpu", "", "name of the machine that answered", [](const TouchReport& r) -> Value { return r.machine; }},
     {"method", "", "method of the neighbour search", [](const TouchReport& r) -> Value { return r.method; }},

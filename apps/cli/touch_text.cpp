@@ -139,6 +139,10 @@ void printTicks(const Rows& rows, const TouchReport& report) {
   if (report.blocked.edits)
     rows.print("too thin", fmt::format("nearly nothing under the brush could move in {}, before a side that stays",
                                        counted(report.blocked.edits, "edit")));
+  if (report.blocked.fromBehind)
+    rows.print("from behind",
+               fmt::format("{} changed nothing: the hand was at the back of the surface; --normals flip turns it",
+                           counted(report.blocked.fromBehind, "edit")));
   if (report.shape) rows.print("shape", fmt::format("strokes that changed the rest shape: {}", report.shape->strokes));
   if (trace.contactTicks == 0 && !report.matter)
     rows.print("contact",

@@ -39,4 +39,12 @@ void BrushNotes::noteBlocked(const WindowSession& session, double now_s) {
   blocked_ = now_s < blockedUntil_s_ ? meets ? "no room here" : "too thin here" : "";
 }
 
+void BrushNotes::noteBack(const WindowSession& session, Messages& messages) {
+  // A stroke at a rim may meet nothing in a few edits.
+  constexpr std::uint64_t kSurely = 20;
+  if (knowsBack_ || session.session().blocked().fromBehind < kSurely) return;
+  knowsBack_ = true;
+  messages.say("brushes work on the front of a surface, and this is its back: Flip (under Clean) turns it");
+}
+
 }  // namespace palpate

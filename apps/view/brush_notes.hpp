@@ -20,6 +20,8 @@ class BrushNotes {
   void notePaint(const WindowSession& session, ViewSettings& view, Messages& messages);
   /// Called once per frame, at that time.
   void noteBlocked(const WindowSession& session, double now_s);
+  /// Reports, once for each model, that brushes do nothing at the back of an open surface.
+  void noteBack(const WindowSession& session, Messages& messages);
   /// Why nothing under the pressed brush moves; empty: it moves, or the hand does not press.
   const std::string& blocked() const { return blocked_; }
 
@@ -28,7 +30,7 @@ class BrushNotes {
   std::uint64_t blockedEdits_ = 0;
   double blockedUntil_s_ = 0;
   std::uint64_t presses_ = 0;
-  bool inStroke_ = false;
+  bool inStroke_ = false, knowsBack_ = false;
 };
 
 }  // namespace palpate

@@ -104,7 +104,8 @@ CleanTask::Found CleanTask::find(const Given& given) {
 
 CleanTask::Found CleanTask::findNormals(const Given& given) {
   PointCloud cloud = given.present;
-  if (given.command.normals == NormalSource::estimate) estimateNormals(cloud, 16, given.fields.threads, given.fields.up);
+  if (given.command.normals == NormalSource::estimate)
+    estimateNormals(cloud, 16, given.fields.threads, given.fields.up);
   if (given.command.normals == NormalSource::orient) orientNormals(cloud, given.fields.threads, given.fields.up);
   if (given.command.normals == NormalSource::flip) flipNormals(cloud);
   SetPoints set;
@@ -150,7 +151,10 @@ CleanTask::Found CleanTask::findHoles(const Given& given) {
                           .normal = point.normal,
                           .color = given.present.hasColors() ? packedColor(point.color) : 0,
                           .parent = given.numbers[point.parent]});
-  return {.superfluous = {}, .points = {}, .action = std::move(set), .done = {.remark = inWords(filling)}};
+  return {.superfluous = {},
+          .points = {},
+          .action = std::move(set),
+          .done = {.remark = inWords(filling, given.fields.mm_per_unit)}};
 }
 
 CleanTask::Found CleanTask::findSuperfluous(const Given& given) {

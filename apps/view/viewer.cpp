@@ -252,6 +252,7 @@ void Viewer::followSession() {
   followName();
   brushNotes_.notePaint(*session, settings_.view, messages_);
   brushNotes_.noteBlocked(*session, hands_.now_s());
+  brushNotes_.noteBack(*session, messages_);
   shown_.follow(*session, settings_.view, hands_.measure(), messages_);
 }
 

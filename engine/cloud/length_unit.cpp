@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::string_view kScaleComment = "comment mm_per_unit: ";
+constexpr std::string_view kScaleComment = "comment mm_per_unit: ", kTouchScaleComment = "comment touch_scale: ";
 
 constexpr std::array<std::pair<std::string_view, LengthUnit>, 20> kWords{{{"mm", LengthUnit::mm},
                                                                           {"millimeter", LengthUnit::mm},
@@ -100,19 +100,38 @@ void sayUnit(std::vector<std::string>& comments, LengthUnit unit) {
   comments.push_back(fmt::format("comment units: {}", nameOf(unit)));
 }
 
-std::optional<double> scaleSaidIn(std::span<const std::string> comments) {
+namespace {
+
+std::optional<double> positiveSaidIn(std::span<const std::string> comments, std::string_view beginning) {
   for (const std::string& comment : comments) {
-    if (!comment.starts_with(kScaleComment)) continue;
+    if (!comment.starts_with(beginning)) continue;
     const char* const end = comment.data() + comment.size();
     double mm_per_unit = 0;
-    const auto [last, error] = std::from_chars(comment.data() + kScaleComment.size(), end, mm_per_unit);
+    const auto [last, error] = std::from_chars(comment.data() + beginning.size(), end, mm_per_unit);
     if (error == std::errc() && last == end && mm_per_unit > 0 && std::isfinite(mm_per_unit)) return mm_per_unit;
   }
   return std::nullopt;
 }
 
+}  // namespace
+
+std::optional<double> scaleSaidIn(std::span<const std::string> comments) {
+  return positiveSaidIn(comments, kScaleComment);
+}
+
+std::optional<double> touchScaleSaidIn(std::span<const std::string> comments) {
+  return positiveSaidIn(comments, kTouchScaleComment);
+}
+
+void setTouchScale(std::vector<std::string>& comments, double mm_per_unit) {
+  std::erase_if(comments, [](const std::string& comment) { return comment.starts_with(kTouchScaleComment); });
+  comments.push_back(fmt::format("{}{}", kTouchScaleComment, mm_per_unit));
+}
+
 void sayScale(std::vector<std::string>& comments, double mm_per_unit) {
-  std::erase_if(comments, [](const std::string& comment) { return comment.starts_with(kScaleComment); });
+  std::erase_if(comments, [](const std::string& comment) {
+    return comment.starts_with(kScaleComment) || comment.starts_with(kTouchScaleComment);
+  });
   comments.push_back(fmt::format("{}{}", kScaleComment, mm_per_unit));
 }
 

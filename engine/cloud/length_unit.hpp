@@ -38,8 +38,12 @@ void sayUnit(std::vector<std::string>& comments, LengthUnit unit);
 
 /// Millimetres per unit, as in `comment mm_per_unit: 137.2`; empty if missing or not a positive number.
 std::optional<double> scaleSaidIn(std::span<const std::string> comments);
-/// Adds the scale to the comments, replacing any other.
+/// Adds the scale to the comments, replacing any other, and the touch scale.
 void sayScale(std::vector<std::string>& comments, double mm_per_unit);
+/// The mm per unit in the hand, as in `comment touch_scale: 0.52`: of a part of a model, that of the whole. Unlike
+/// mm_per_unit it says nothing about the unit of length.
+std::optional<double> touchScaleSaidIn(std::span<const std::string> comments);
+void setTouchScale(std::vector<std::string>& comments, double mm_per_unit);
 
 /// The longest of 1, 2, 5, 10, … units, of 0.1, 0.2, 0.5 and so on, that is at most `length`; 0 if `length` is not
 /// positive.

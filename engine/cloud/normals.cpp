@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <iterator>
 #include <numbers>
-#include <numeric>
 #include <vector>
 
 #include "engine/cloud/eigen3.hpp"
@@ -91,7 +91,8 @@ std::vector<Vec3> keptEdges(const PointTree& tree, std::span<const Vec3> points,
     std::vector<std::uint32_t> around(most);
     std::vector<double> squaredDistances(most), weights(most);
     std::vector<DVec3> likes(most);
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t i = tree.order()[k];
       const FittedPlane& own = planes[i];
       const double squaredSpacing = double{own.spacing} * own.spacing;
       normals[i] = own.normal;
@@ -129,7 +130,13 @@ std::vector<Vec3> keptEdges(const PointTree& tree, std::span<const Vec3> points,
 
 void fitNearestPlanes(std::span<const Vec3> points, std::span<const std::uint32_t> which, unsigned neighbours,
                       std::span<FittedPlane> planes, NeighbourGraph& graph, unsigned threads) {
-  if (!which.empty()) fitPlanes(PointTree(points), points, which, neighbours, planes, graph, threads);
+  if (which.empty()) return;
+  const PointTree tree(points);
+  std::vector<std::uint8_t> isWanted(points.size());
+  for (const std::uint32_t i : which) isWanted[i] = 1;
+  std::vector<std::uint32_t> ordered;
+  std::ranges::copy_if(tree.order(), std::back_inserter(ordered), [&](std::uint32_t i) { return isWanted[i] != 0; });
+  fitPlanes(tree, points, ordered, neighbours, planes, graph, threads);
 }
 
 std::vector<Vec3> keepEdges(std::span<const Vec3> points, std::span<const FittedPlane> planes, unsigned threads) {
@@ -147,15 +154,13 @@ void signNormals(std::span<const Vec3> points, std::span<const FittedPlane> plan
 }
 
 void estimateNormals(PointCloud& cloud, unsigned neighbours, unsigned threads, std::optional<UpAxis> up) {
-  const Places places = distinctPlaces(cloud.positions);
+  const Places places = distinctPlaces(cloud.positions, threads);
   const std::size_t count = places.positions.size();
   std::vector<FittedPlane> planes(count);
   NeighbourGraph graph{.degree = std::max(neighbours, 1u), .neighbours = {}};
   graph.neighbours.resize(graph.degree * count);
-  std::vector<std::uint32_t> all(count);
-  std::iota(all.begin(), all.end(), 0u);
   const PointTree tree(places.positions);
-  fitPlanes(tree, places.positions, all, neighbours, planes, graph, threads);
+  fitPlanes(tree, places.positions, tree.order(), neighbours, planes, graph, threads);
   std::vector<Vec3> normals = keptEdges(tree, places.positions, planes, threads);
   signNormals(places.positions, planes, graph, normals, threads, up ? *up : findUp(cloud).up);
   spreadNormals(cloud, places, normals);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/cloud/outward.hpp"
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/core/stop_checks.hpp"
 #include "engine/core/worker_team.hpp"
@@ -77,15 +78,18 @@ constexpr float kSmooth = 0.6f;
 
 constexpr std::size_t classOf(float cost) { return static_cast<std::size_t>(std::min(cost, 1.0f) * (kClasses - 1)); }
 
+/// `isMutual()`: whether both ends know each other.
+template <class IsMutual>
 Edge edgeBetween(std::span<const Vec3> points, std::span<const Vec3> normals, std::span<const float> reaches,
-                 std::size_t i, std::size_t j, bool isMutual) {
+                 std::size_t i, std::size_t j, IsMutual&& isMutual) {
   const Vec3 way = points[j] - points[i];
   const Vec3 along = glm::normalize(way);
   const float offI = glm::dot(normals[i], along), offJ = glm::dot(normals[j], along);
   const float agreement = glm::dot(normals[i], normals[j]) - 2 * offI * offJ;
   const float turn = std::sqrt(1 - std::min(1.0f, std::abs(agreement)));
   const float cost = std::max({turn, std::abs(offI), std::abs(offJ)});
-  const bool isLong = glm::length(way) > (isMutual ? kLong : kLongOneWay) * std::min(reaches[i], reaches[j]);
+  const float length = glm::length(way), reach = std::min(reaches[i], reaches[j]);
+  const bool isLong = length > kLong * reach || (length > kLongOneWay * reach && !isMutual());
   return {classOf(cost) + (isLong ? kClasses : 0), agreement < 0};
 }
 
@@ -111,37 +115,45 @@ constexpr std::uint32_t kDiffer = 1u << 31;  // in the second end; clouds hold f
 
 /// The edges of the graph, each once: the long ones last, by cost and then by their points.
 struct SortedEdges {
-  std::vector<EdgeEnds> all;
+  BareVector<EdgeEnds> all;
   std::size_t firstLong = 0, firstSteep = 0;  ///< of the long ones that cost more than kSmooth
 };
 
 SortedEdges edgesByCost(std::span<const Vec3> points, std::span<const Vec3> normals, const NeighbourGraph& graph,
                         std::span<const float> reaches, unsigned threads) {
   constexpr std::size_t kChunk = 1 << 15;
+  constexpr std::uint16_t kNone = 0xffff, kDiffers = 0x8000;
   const std::size_t chunks = (points.size() + kChunk - 1) / kChunk;
-  const auto forEachEdge = [&](std::size_t chunk, auto&& body) {
-    for (std::size_t i = chunk * kChunk; i < std::min(points.size(), (chunk + 1) * kChunk); ++i)
-      for (const std::uint32_t j : graph.of(i)) {
-        if (j == NeighbourGraph::kNobody || j == i) continue;
-        const bool isMutual = graph.hasEdge(j, static_cast<std::uint32_t>(i));
-        if (isMutual && j < i) continue;  // seen from the other end
-        body(static_cast<std::uint32_t>(i), j, edgeBetween(points, normals, reaches, i, j, isMutual));
-      }
-  };
   WorkerTeam team(threads);
   std::vector<std::array<std::size_t, 2 * kClasses>> next(chunks);  // counts, then the index of a chunk's next edge
+  BareVector<std::uint16_t> found(graph.neighbours.size());         // class, and whether the normals disagree
+  const auto forEachNeighbour = [&](std::size_t chunk, auto&& body) {
+    for (std::size_t i = chunk * kChunk; i < std::min(points.size(), (chunk + 1) * kChunk); ++i)
+      for (std::size_t k = 0; k < graph.degree; ++k) body(i, graph.of(i)[k], found[i * graph.degree + k]);
+  };
   team.forEach(chunks, [&](std::size_t chunk) {
     next[chunk].fill(0);
-    forEachEdge(chunk, [&](std::uint32_t, std::uint32_t, const Edge& edge) { ++next[chunk][edge.costClass]; });
+    forEachNeighbour(chunk, [&](std::size_t i, std::uint32_t j, std::uint16_t& own) {
+      own = kNone;
+      if (j == NeighbourGraph::kNobody || j == i) return;
+      const auto isKnown = [&] { return graph.hasEdge(j, static_cast<std::uint32_t>(i)); };
+      if (j < i && isKnown()) return;  // seen from the other end
+      const Edge edge = edgeBetween(points, normals, reaches, i, j, [&] { return j > i && isKnown(); });
+      ++next[chunk][edge.costClass];
+      own = static_cast<std::uint16_t>(edge.costClass | (edge.differ ? kDiffers : 0));
+    });
   });
   std::size_t total = 0;
   for (std::size_t costClass = 0; costClass < 2 * kClasses; ++costClass)
     for (auto& chunk : next) total += std::exchange(chunk[costClass], total);
-  SortedEdges sorted{.all = std::vector<EdgeEnds>(total)};
+  SortedEdges sorted;
+  sorted.all.resize(total);
   if (chunks > 0) sorted.firstLong = next[0][kClasses], sorted.firstSteep = next[0][kClasses + classOf(kSmooth)];
   team.forEach(chunks, [&](std::size_t chunk) {
-    forEachEdge(chunk, [&](std::uint32_t i, std::uint32_t j, const Edge& edge) {
-      sorted.all[next[chunk][edge.costClass]++] = {i, j | (edge.differ ? kDiffer : 0)};
+    forEachNeighbour(chunk, [&](std::size_t i, std::uint32_t j, std::uint16_t own) {
+      if (own == kNone) return;
+      const std::uint32_t differ = (own & kDiffers) != 0 ? kDiffer : 0;
+      sorted.all[next[chunk][own & (kDiffers - 1)]++] = {static_cast<std::uint32_t>(i), j | differ};
     });
   });
   return sorted;

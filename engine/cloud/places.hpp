@@ -15,7 +15,7 @@ struct Places {
   std::vector<std::uint32_t> placeOf;  ///< for each point, the index of its position
 };
 
-/// O(N log N). Fewer than 2^32 points.
-Places distinctPlaces(std::span<const Vec3> points);
+/// O(N log N). Fewer than 2^32 points. The result does not depend on `threads` (0: one per core).
+Places distinctPlaces(std::span<const Vec3> points, unsigned threads = 0);
 
 }  // namespace palpate

@@ -82,6 +82,11 @@ void PointTree::near(const DVec3& center, double radius, std::vector<std::uint32
   index_->tree.findNeighbors(ball, &center.x, {});
 }
 
+std::span<const std::uint32_t> PointTree::order() const {
+  if (index_->view.points.empty()) return {};
+  return index_->tree.vAcc;
+}
+
 std::size_t PointTree::bytes() const { return index_->tree.usedMemory(index_->tree); }
 
 }  // namespace palpate

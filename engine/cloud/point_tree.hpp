@@ -20,6 +20,10 @@ class PointTree {
   /// set). Returns the number found. `squaredDistances` has the same size.
   std::size_t nearest(const Vec3& p, std::span<std::uint32_t> indices, std::span<double> squaredDistances) const;
 
+  /// All points, so that consecutive ones are near each other: queries in this order find their part of the tree in the
+  /// cache.
+  std::span<const std::uint32_t> order() const;
+
   void build(std::span<const Vec3> positions);
   void move(std::span<const PointMove> moves);
   void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const;

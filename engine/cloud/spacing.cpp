@@ -93,8 +93,8 @@ double wideAreaOf(const std::vector<Around>& probes, double usual) {
 
 SpacingRange spacingRange(const PointCloud& cloud, std::size_t largestTree, unsigned threads) {
   const double keep = std::min(1.0, static_cast<double>(largestTree) / static_cast<double>(cloud.size()));
-  const Places places =
-      keep < 1 ? distinctPlaces(thinned(cloud.positions, keep, threads)) : distinctPlaces(cloud.positions);
+  const Places places = keep < 1 ? distinctPlaces(thinned(cloud.positions, keep, threads), threads)
+                                 : distinctPlaces(cloud.positions, threads);
   if (places.positions.size() < 2) return {};
   const PointTree tree(places.positions);
   std::vector<Around> probes(std::min(kMaxProbes, places.positions.size()));

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/up_shape.hpp"
 
 namespace palpate {
@@ -327,6 +328,13 @@ std::optional<UpAxis> upSaidIn(std::span<const std::string> comments) {
       if (name == said) return axis;
   }
   return std::nullopt;
+}
+
+bool keepPose(std::vector<std::string>& comments, double mm_per_unit, UpAxis up) {
+  const bool hasScale = scaleSaidIn(comments) || touchScaleSaidIn(comments), hasUp = upSaidIn(comments).has_value();
+  if (!hasScale) setTouchScale(comments, mm_per_unit);
+  if (!hasUp) setUp(comments, up);
+  return !hasScale || !hasUp;
 }
 
 Upright findUp(const PointCloud& cloud) {

@@ -56,6 +56,10 @@ std::optional<UpAxis> upSaidIn(std::span<const std::string> comments);
 /// Writes the axis into the comments, replacing any other.
 void setUp(std::vector<std::string>& comments, UpAxis up);
 
+/// For a part of a model: adds the touch scale and the up axis of the whole to the comments, unless these state a scale
+/// or an axis. Returns whether something was added.
+bool keepPose(std::vector<std::string>& comments, double mm_per_unit, UpAxis up);
+
 /// The up axis of cameras, from the mean of their unit up vectors; empty if they disagree too much, or lie between two
 /// axes.
 std::optional<UpAxis> upOfCameras(const DVec3& meanUp);

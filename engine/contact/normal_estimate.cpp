@@ -79,7 +79,7 @@ void NormalEstimate::record(CommandList& list, const shared::CloudView& cloud, d
 NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned threads) {
   const Stopwatch watch;
   NormalEstimateCost cost;
-  const Places places = distinctPlaces(cloud.positions);
+  const Places places = distinctPlaces(cloud.positions, threads);
   const double spacing = meanSpacing(cloud, threads);
   if (spacing <= 0) {  // fewer than two positions: no neighbourhood to visit
     estimateNormals(cloud, kNearest, threads);

@@ -149,7 +149,12 @@ void setCoordinate(PointCloud& cloud, int axis, const Values& values, const Poin
 
 }  // namespace
 
-std::size_t applyRule(std::string_view name, std::string_view rule, PointCloud& cloud, const FieldOptions& options) {
+bool movesPoints(std::string_view name, std::string_view rule) {
+  const std::string field = targetOf(name, rule).name;
+  return field == "x" || field == "y" || field == "z";
+}
+
+RuleEffect applyRule(std::string_view name, std::string_view rule, PointCloud& cloud, const FieldOptions& options) {
   const Target target = targetOf(name, rule);
   CloudFields fields(cloud, options);
   const ParsedExpression number = parseExpression(name, rule, target.valueAt, false, fields);
@@ -178,7 +183,10 @@ std::size_t applyRule(std::string_view name, std::string_view rule, PointCloud& 
     setAttribute(made, values, which, name);
     cloud.extra.push_back(std::move(made));
   }
-  return which.count();
+  RuleEffect effect{.set = which.count()};
+  if (const auto* numbers = std::get_if<std::vector<double>>(&values))
+    which.forEach([&](std::uint64_t point) { effect.notFinite += std::isfinite((*numbers)[point]) ? 0 : 1; });
+  return effect;
 }
 
 }  // namespace palpate

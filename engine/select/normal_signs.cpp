@@ -9,7 +9,7 @@ namespace palpate {
 void orientNormals(PointCloud& cloud, unsigned threads, std::optional<UpAxis> up) {
   constexpr unsigned kNeighbours = 16;
   if (!cloud.hasNormals()) return;
-  const Places places = distinctPlaces(cloud.positions);
+  const Places places = distinctPlaces(cloud.positions, threads);
   const std::size_t count = places.positions.size();
   NeighbourGraph graph{.degree = kNeighbours, .neighbours = {}};
   graph.neighbours.resize(graph.degree * count);

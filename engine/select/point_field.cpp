@@ -79,6 +79,7 @@ std::array<End, 2> endsIn(std::string_view setting, std::string_view text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string_view::npos) throw refuse();
   std::array<End, 2> ends;
+  std::array<double, 2> numbers{};
   for (std::size_t k = 0; k < 2; ++k) {
     std::string_view one = k == 0 ? text.substr(0, comma) : text.substr(comma + 1);
     while (!one.empty() && one.front() == ' ') one.remove_prefix(1);
@@ -89,7 +90,10 @@ std::array<End, 2> endsIn(std::string_view setting, std::string_view text) {
     if (!number || !std::isfinite(*number) || (isPercent && !(*number >= 0 && *number <= 100))) throw refuse();
     ends[k].text = one;
     if (isPercent) ends[k].percent = number;
+    numbers[k] = *number;
   }
+  if (ends[0].percent.has_value() == ends[1].percent.has_value() && numbers[0] > numbers[1])
+    throw UsageError("{}: '{}' begins above its end; write the lower number first", setting, text);
   return ends;
 }
 
@@ -210,7 +214,7 @@ std::pair<double, double> rangeIn(std::string_view setting, std::string_view tex
     return sorted.empty() ? 0 : percentileOf(sorted, *end.percent);
   };
   const double low = number(ends[0]), high = number(ends[1]);
-  if (low > high) throw UsageError("{}: '{}' begins above its end", setting, text);
+  if (low > high) throw UsageError("{}: '{}' begins above its end; write the lower number first", setting, text);
   return {low, high};
 }
 

@@ -64,15 +64,17 @@ class Preparer {
     holds ? keep(name, which) : drop(name, which);
   }
   void set(const std::string& rule) {
-    const std::size_t count = applyRule("prepare.set", rule, result_.cloud, options_);
-    done("prepare.set", cloud().size(), fmt::format("\"{}\" sets {}", rule, counted(count, noun_)));
+    const RuleEffect effect = applyRule("prepare.set", rule, result_.cloud, options_);
+    std::string what = fmt::format("\"{}\" sets {}", rule, counted(effect.set, noun_));
+    if (effect.notFinite > 0) what += fmt::format(", {} of them to inf or nan", effect.notFinite);
+    done("prepare.set", cloud().size(), std::move(what));
   }
   void fillHoles(double widest) {
     const std::size_t before = cloud().size();
     const HoleFilling filling = palpate::fillHoles(cloud(), widest, options_.threads);
     addPoints(result_.cloud, filling.points);
     result_.numbers.resize(cloud().size(), kNew);
-    done("prepare.fill_holes_mm", before, inWords(filling));
+    done("prepare.fill_holes_mm", before, inWords(filling, options_.mm_per_unit));
   }
   void rotateUp(UpAxis up) {
     rotateToZ(result_.cloud, directionOf(up));
@@ -140,12 +142,21 @@ std::string cornersText(const Corners& corners) {
   return fmt::format("{},{},{}:{},{},{}", a.x, a.y, a.z, b.x, b.y, b.z);
 }
 
+namespace {
+
+double touchScaleOf(const PointCloud& cloud) {
+  if (const auto scale = touchScaleSaidIn(cloud.storedAs.comments)) return *scale;
+  return ModelScale::fitting(coreBoundsOf(cloud).longestSide()).mm_per_unit;
+}
+
+}  // namespace
+
 double mmPerUnit(const PointCloud& cloud, double given) {
   if (given > 0) return given;
   const std::vector<std::string>& comments = cloud.storedAs.comments;
   if (const auto scale = scaleSaidIn(comments)) return *scale;
   if (const auto mm = mmIn(unitSaidIn(comments))) return *mm;
-  return ModelScale::fitting(coreBoundsOf(cloud).longestSide()).mm_per_unit;
+  return touchScaleOf(cloud);
 }
 
 namespace {
@@ -186,10 +197,8 @@ PreparedCloud preparedPoints(PointCloud cloud, std::string_view noun, const Prep
   return preparer.result();
 }
 
-}  // namespace
-
-PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
-                       const std::function<void(const PreparedStep&)>& report, const DistanceMaker& distances) {
+PreparedCloud preparedAll(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
+                          const std::function<void(const PreparedStep&)>& report, const DistanceMaker& distances) {
   const Preparation rotating{.upright = preparation.upright, .level = preparation.level};
   Preparation selecting = preparation;
   selecting.upright.reset(), selecting.level = false;
@@ -206,6 +215,31 @@ PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const F
   PreparedCloud rotated = preparedPoints(std::move(result.cloud), "point", rotating, options, report, {});
   result.cloud = std::move(rotated.cloud);
   std::ranges::move(rotated.steps, std::back_inserter(result.steps));
+  return result;
+}
+
+bool removesPoints(Preparation preparation) {
+  preparation.fillHoles_mm = 0;
+  preparation.set.clear();
+  preparation.upright.reset();
+  preparation.level = false;
+  return preparation != Preparation{};
+}
+
+}  // namespace
+
+PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
+                       const std::function<void(const PreparedStep&)>& report, const DistanceMaker& distances) {
+  if (!removesPoints(preparation)) return preparedAll(std::move(cloud), preparation, options, report, distances);
+  const Upright upright = findUp(cloud);
+  const double touchScale = touchScaleOf(cloud);
+  PreparedCloud result = preparedAll(std::move(cloud), preparation, options, report, distances);
+  const auto removes = [](const PreparedStep& step) { return step.after < step.before; };
+  if (std::ranges::none_of(result.steps, removes)) return result;
+  const auto moves = [](const std::string& rule) { return movesPoints("prepare.set", rule); };
+  if (std::ranges::any_of(preparation.set, moves)) return result;  // its units may be others
+  keepPose(result.cloud.storedAs.comments, touchScale, upright.up);
+  if (!preparation.upright && !preparation.level) result.upright = upright;
   return result;
 }
 

@@ -31,10 +31,14 @@ struct PreparedCloud {
   /// to Gaussians.
   std::vector<std::uint32_t> numbers;
   std::vector<PreparedStep> steps;
+  /// Of the whole, where points were removed and nothing was rotated. The cloud then states its axis and touch scale
+  /// (keepPose()).
+  std::optional<Upright> upright = {};
 };
 
 /// Millimetres per unit of a cloud's coordinates: `given` if it is not 0; else the scale that the file states, or that
-/// of its unit of length; else the touch scale, by which the longest side of coreBoundsOf() is 100 mm.
+/// of its unit of length; else its touch scale (touchScaleSaidIn()), or one by which the longest side of
+/// coreBoundsOf() is 100 mm.
 double mmPerUnit(const PointCloud& cloud, double given);
 
 /// In a splat scene the steps are done to the Gaussians, whose columns are fields (`opacity > 0`), and the points are

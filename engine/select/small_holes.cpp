@@ -267,11 +267,18 @@ std::vector<Vec3> normalsOf(const PointCloud& cloud, unsigned threads) {
 
 }  // namespace
 
-std::string inWords(const HoleFilling& filling) {
+std::string inWords(const HoleFilling& filling, double mm_per_unit) {
   std::string words =
       fmt::format("closes {} with {}", counted(filling.closed, "hole"), counted(filling.points.size(), "new point"));
   if (filling.left > 0)
     words += fmt::format("; {} left open, whose rim folds", counted(filling.left, "hole is", "holes are"));
+  if (filling.wider > 0) {
+    // Rounded up, so that this length closes it.
+    const double width_mm = filling.narrowest * mm_per_unit;
+    const double step = std::pow(10.0, std::floor(std::log10(width_mm)) - 2);
+    words += fmt::format("; {} wider{} {:.6g} mm", counted(filling.wider, "hole is", "holes are"),
+                         filling.wider == 1 ? ":" : ", the narrowest", std::ceil(width_mm / step) * step);
+  }
   return words;
 }
 
@@ -292,7 +299,10 @@ HoleFilling fillHoles(const PointCloud& cloud, double widest, unsigned threads) 
   }
   surface.tree.build(surface.positions);
   const SurfaceFaces faces(surface.positions, surface.normals, surface.tree, threads);
-  const std::vector<SurfaceFaces::Face> holes = faces.holes(widest);
+  const SurfaceFaces::Holes all = faces.holes(widest);
+  const std::vector<SurfaceFaces::Face>& holes = all.fitting;
+  filling.wider = all.wider;
+  filling.narrowest = all.narrowest;
   std::vector<std::optional<std::vector<NewPoint>>> found(holes.size());
   parallelBlocks(holes.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {

@@ -23,14 +23,16 @@ struct HoleFilling {
   std::vector<NewPoint> points;
   std::size_t closed = 0;  ///< number of holes
   std::size_t left = 0;    ///< others that are no wider, but whose rims fold or overlap
+  std::size_t wider = 0;   ///< others that are wider
+  double narrowest = 0;    ///< greatest width of the narrowest of these, model units
 };
 
 /// Why a splat scene is refused.
 inline constexpr std::string_view kGaussiansKeepHoles =
     "the holes of a splat scene cannot be closed, because new points are not Gaussians";
 
-/// "closes 3 holes with 120 new points".
-std::string inWords(const HoleFilling& filling);
+/// "closes 3 holes with 120 new points; 1 hole is wider: 12.5 mm".
+std::string inWords(const HoleFilling& filling, double mm_per_unit);
 
 /// Points that close the holes which are nowhere wider than `widest`, model units. A hole is an empty face of
 /// SurfaceFaces, so that the outer border of an open scan is none, nor is the gap between two sheets. Its points lie on

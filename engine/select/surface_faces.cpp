@@ -125,12 +125,26 @@ std::size_t SurfaceFaces::after(std::uint32_t from, std::uint32_t to) const {
   return back > begins_[to] ? back - 1 : begins_[to + 1] - 1;
 }
 
-std::vector<SurfaceFaces::Face> SurfaceFaces::holes(double widest) const {
+double SurfaceFaces::widthOf(std::span<const std::uint32_t> rim) const {
+  double width = 0;
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    throwIfStopWanted();
+    for (std::size_t j = 0; j < i; ++j)
+      width = std::max(width, glm::distance(DVec3(positions_[rim[i]]), DVec3(positions_[rim[j]])));
+  }
+  return width;
+}
+
+SurfaceFaces::Holes SurfaceFaces::holes(double widest) const {
   constexpr double kLargeShare = 0.02;               // of the faces, that may be holes or what is next to them
   constexpr double kOverOthers = 4, kMinArea = 4.5;  // of the others; of the area of a point
-  std::vector<Face> wide;
-  std::vector<float> areas;  // in areas of a point
-  std::vector<float> wideAreas;
+  struct Candidate {
+    Face face;
+    double area;   // in areas of a point
+    double width;  // at least, from the first point of the rim
+  };
+  std::vector<Candidate> large;
+  std::vector<float> areas;  // of those that may be narrow enough, in areas of a point
   std::vector<std::uint8_t> isVisited(neighbours_.size());
   Face face;
   for (std::uint32_t first = 0; first + 1 < begins_.size(); ++first)
@@ -147,34 +161,37 @@ std::vector<SurfaceFaces::Face> SurfaceFaces::holes(double widest) const {
         const std::uint32_t to = neighbours_[at];
         const DVec3 offset = DVec3(positions_[from]) - DVec3(positions_[first]);
         farthest = std::max(farthest, glm::dot(offset, offset));
-        if (farthest <= widest * widest) {
-          face.rim.push_back(from);
-          face.area += 0.5 * glm::cross(offset, DVec3(positions_[to]) - DVec3(positions_[first]));
-          normals += DVec3(normals_[from]);
-          spacings += spacingOf(from);
-        }
+        face.rim.push_back(from);
+        face.area += 0.5 * glm::cross(offset, DVec3(positions_[to]) - DVec3(positions_[first]));
+        normals += DVec3(normals_[from]);
+        spacings += spacingOf(from);
         at = after(from, to);
         from = to;
       } while (at != begin);
-      if (farthest > widest * widest || face.rim.size() < 3 || glm::dot(face.area, normals) <= 0) continue;
+      if (face.rim.size() < 3 || glm::dot(face.area, normals) <= 0) continue;
       const double spacing = spacings / static_cast<double>(face.rim.size());
       const auto area = static_cast<float>(glm::length(face.area) / (spacing * spacing));
-      areas.push_back(area);
-      if (area >= kMinArea) wide.push_back(face), wideAreas.push_back(area);
+      if (farthest <= widest * widest) areas.push_back(area);
+      if (area >= kMinArea) large.push_back({face, static_cast<double>(area), std::sqrt(farthest)});
     }
-  if (wide.empty()) return {};
-  const auto usual = areas.begin() + static_cast<std::ptrdiff_t>((1 - kLargeShare) * static_cast<double>(areas.size()));
-  std::ranges::nth_element(areas, std::min(usual, areas.end() - 1));
-  const double least = std::max(kMinArea, kOverOthers * static_cast<double>(*std::min(usual, areas.end() - 1)));
-  std::vector<Face> holes;
-  for (std::size_t k = 0; k < wide.size(); ++k) {
-    if (static_cast<double>(wideAreas[k]) < least) continue;
-    const std::vector<std::uint32_t>& rim = wide[k].rim;
-    bool fits = true;
-    for (std::size_t i = 0; i < rim.size() && fits; ++i)
-      for (std::size_t j = 0; j < i && fits; ++j)
-        fits = glm::distance(DVec3(positions_[rim[i]]), DVec3(positions_[rim[j]])) <= widest;
-    if (fits) holes.push_back(std::move(wide[k]));
+  double least = kMinArea;
+  if (!areas.empty()) {
+    const auto usual =
+        areas.begin() + static_cast<std::ptrdiff_t>((1 - kLargeShare) * static_cast<double>(areas.size()));
+    std::ranges::nth_element(areas, std::min(usual, areas.end() - 1));
+    least = std::max(kMinArea, kOverOthers * static_cast<double>(*std::min(usual, areas.end() - 1)));
+  }
+  Holes holes;
+  for (Candidate& each : large) {
+    if (each.area < least) continue;
+    // A rim whose first point alone makes it wider than the narrowest one is not measured.
+    const bool isMeasured = holes.wider == 0 || each.width < holes.narrowest || each.width <= widest;
+    const double width = isMeasured ? widthOf(each.face.rim) : each.width;
+    if (width <= widest) {
+      holes.fitting.push_back(std::move(each.face));
+    } else {
+      holes.narrowest = holes.wider++ == 0 ? width : std::min(holes.narrowest, width);
+    }
   }
   return holes;
 }

@@ -30,11 +30,17 @@ class SurfaceFaces {
     std::vector<std::uint32_t> rim;  ///< counter-clockwise around the empty part
     DVec3 area{0};                   ///< vector of its area, along the normals
   };
-  /// The faces around empty parts that are much larger than the others, by area for each point, and whose rims are
-  /// nowhere wider than `widest`. The outer border of an open surface is none: it goes round the other way.
-  std::vector<Face> holes(double widest) const;
+  struct Holes {
+    std::vector<Face> fitting;  ///< whose rims are nowhere wider than a limit
+    std::size_t wider = 0;      ///< number of the others
+    double narrowest = 0;       ///< greatest width of the narrowest of these, model units
+  };
+  /// The faces around empty parts that are much larger than the others, by area for each point. The outer border of an
+  /// open surface is none: it goes round the other way.
+  Holes holes(double widest) const;
 
  private:
+  double widthOf(std::span<const std::uint32_t> rim) const;
   std::size_t halfEdge(std::uint32_t from, std::uint32_t to) const;
   std::size_t after(std::uint32_t from, std::uint32_t to) const;
 

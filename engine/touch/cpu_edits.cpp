@@ -135,7 +135,8 @@ bool CpuEdits::finishedWithin(double budget_us) {
   workPace_.took(time_s_, sculpture_.work());
   stroke_.note(sculpture_.measure());
   collected_.touched = static_cast<std::uint32_t>(sculpture_.changed().size());
-  blocked_.note(stroke_.tool().stroke, sculpture_.measure().blocked, collected_.touched);
+  const bool meets = stroke_.tool().acts == 0 || sculpture_.measure().weights > 0;
+  blocked_.note(stroke_.tool().stroke, sculpture_.measure().blocked, collected_.touched, meets);
   if (statistics_.editTimes_us.size() < statistics_.editTimes_us.capacity())
     statistics_.editTimes_us.push_back(work_.time_us);
   return true;

@@ -241,7 +241,8 @@ void EditPipeline::takeReport() {
   // Smoothing lists all points in its reach. An edit that failed is repeated.
   const std::uint32_t listed =
       brushHas(pass_.brush().kind, shared::kUsesNeighbours) ? std::min(changed, measured.blocked) : 0;
-  if (report.failed == 0) blocked_.note(stroke_.tool().stroke, measured.blocked, changed - listed);
+  const bool meets = stroke_.tool().acts == 0 || measured.weights > 0;
+  if (report.failed == 0) blocked_.note(stroke_.tool().stroke, measured.blocked, changed - listed, meets);
   index_.readReport();
   // If a running compaction is about to free slots, the edit waits: it is retried, and so is the next one.
   const bool waits = report.failed == shared::kUpdateNoSlots && index_.isCompacting();

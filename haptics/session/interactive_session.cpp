@@ -340,9 +340,13 @@ void InteractiveSession::save(const std::string& file) {
           const auto add = [&](const std::string& more) {
             if (!more.empty()) remark += (remark.empty() ? "" : "; ") + more;
           };
+          PointCloud cloud = present ? std::move(present->cloud) : editedCloud(model().cloud, points, fields);
+          if (cloud.size() < model().cloud.size() &&
+              keepPose(cloud.storedAs.comments, model().scale.toMm(1), model().upright.up) &&
+              !cloudFormats().toWrite(file).hasComments)
+            add("this format cannot hold the up axis and the touch scale of the whole model");
           const std::filesystem::path kept =
-              saveKeeping(file, present ? std::move(present->cloud) : editedCloud(model().cloud, points, fields),
-                          {.own = &saving_.own, .like = loaded, .notKept = &lost});
+              saveKeeping(file, std::move(cloud), {.own = &saving_.own, .like = loaded, .notKept = &lost});
           add(lost);
           if (const auto answer = session_.saveAtServer()) add(inWords(*answer));
           return Saved{file, kept.string(), {}, remark};

@@ -43,7 +43,8 @@ void measure(Model& model, const ModelConfig& config, unsigned threads) {
 
 std::optional<ModelScale> knownScaleOf(const PointCloud& cloud, double mm_per_unit) {
   if (mm_per_unit > 0) return ModelScale{mm_per_unit};
-  const auto said = scaleSaidIn(cloud.storedAs.comments);
+  const std::vector<std::string>& comments = cloud.storedAs.comments;
+  const auto scale = scaleSaidIn(comments), said = scale ? scale : touchScaleSaidIn(comments);
   if (said && *said >= bounds::kMinScale && *said <= bounds::kMaxScale) return ModelScale{*said};
   return std::nullopt;
 }
@@ -54,14 +55,17 @@ ModelScale scaleOf(const Model& model, double mm_per_unit) {
 
 namespace {
 
-void prepare(PointCloud& cloud, const ModelConfig& config, const ModelLoading& loading) {
+/// Returns PreparedCloud::upright.
+std::optional<Upright> prepare(PointCloud& cloud, const ModelConfig& config, const ModelLoading& loading) {
   const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, config.mm_per_unit), .up = {}, .threads = loading.threads};
-  cloud = prepared(std::move(cloud), *config.prepare, fields, [&](const PreparedStep& step) {
-            loading.log.say("{}: {} {}", config.file, flagOf(step.name), step.what);
-            loading.log.progress("select and clean", step.share);
-            if (step.after == 0) throw Error("{}: {} {}; no point is left", config.file, flagOf(step.name), step.what);
-          }).cloud;
+  PreparedCloud result = prepared(std::move(cloud), *config.prepare, fields, [&](const PreparedStep& step) {
+    loading.log.say("{}: {} {}", config.file, flagOf(step.name), step.what);
+    loading.log.progress("select and clean", step.share);
+    if (step.after == 0) throw Error("{}: {} {}; no point is left", config.file, flagOf(step.name), step.what);
+  });
   loading.log.endProgress();
+  cloud = std::move(result.cloud);
+  return std::move(result.upright);
 }
 
 Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {
@@ -86,8 +90,10 @@ Model readModel(const ModelConfig& config, const ModelLoading& loading) {
   markNormalsAsEstimated(stored.cloud, false);  // whatever a comment in the file says: they are its own
   if (!stored.leftOut.empty())
     loading.log.warn("{}: left out: {}; the setting keep_unreliable keeps them", config.file, stored.leftOut);
-  if (config.prepare && !stored.cloud.empty()) prepare(stored.cloud, config, loading);
+  std::optional<Upright> ofWhole;
+  if (config.prepare && !stored.cloud.empty()) ofWhole = prepare(stored.cloud, config, loading);
   Model model = modelOf(std::move(stored.cloud), config, loading);
+  if (ofWhole) model.upright = *std::move(ofWhole);
   model.cameras = std::move(stored.cameras);
   return model;
 }

@@ -44,7 +44,7 @@ constexpr Setting<Preparation> kPreparation[]{
      &Preparation::outlierNeighbours,
      "--outliers",
      "drop statistical outliers: points whose mean distance to their K nearest neighbours is more than SIGMA standard "
-     "deviations above the mean of all points (default: 8,1); with =",
+     "deviations above the mean of all points (default: 8,1)",
      "",
      {.min = 1, .max = bounds::kMaxNeighbours, .orZero = true}},
     {"outlier_sigma", &Preparation::outlierSigma, "", "standard deviations of --outliers", "", {-100, 100}},

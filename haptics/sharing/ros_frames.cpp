@@ -175,7 +175,7 @@ class FromPoints {
       return;
     }
     constexpr unsigned kNeighbours = 16;
-    estimateNormals(cloud, kNeighbours, threads_);
+    estimateNormals(cloud, kNeighbours, threads_, UpAxis::z);  // the sensor decides the signs
     for (std::size_t i = 0; i < cloud.size(); ++i)
       if (glm::dot(DVec3(cloud.normals[i]), cloud.fileCoordinates(i)) > 0) cloud.normals[i] = -cloud.normals[i];
   }

@@ -1,5 +1,6 @@
 // palpate mesh, and render --mode mesh: output files, messages and errors.
 #include <cmath>
+#include <fstream>
 
 #include "tests/apps/program.hpp"
 #include "tests/near.hpp"
@@ -66,6 +67,11 @@ TEST_CASE("render draws the mesh of a model") {
   const std::string cloud = (folder / "c.ply").string();
   works("make sphere -n 5000 -o " + cloud);
   works("render " + cloud + " --mode mesh --resolution 32 --size 160x120 -o " + (folder / "mesh.png").string());
+  std::ofstream(folder / "one.xyz") << "1 2 3\n";
+  const std::string one = (folder / "one.xyz").string();
+  checkEnds(1, "render " + one + " --mode mesh -o " + (folder / "one.png").string(),
+            {"one.xyz: 1 point: too few for a surface, so there is no mesh"});
+  CHECK_FALSE(std::filesystem::exists(folder / "one.png"));
   CHECK(std::filesystem::file_size(folder / "mesh.png") > 3000);
   CHECK(palpate("render " + cloud + " --mode clay -o " + (folder / "x.png").string()).code == 2);
 }

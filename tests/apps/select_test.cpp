@@ -174,6 +174,8 @@ TEST_CASE("what is wrong with an option is said with its column, and nothing is 
   checkEnds(2, convert + "--crop 0,0,0", {"--crop: '0,0,0' is not two corners of a box, as in 0,0,0:1.5,2,1"});
   checkEnds(2, convert + "--outliers=0", {"--outliers: '0,1' is not K or K,SIGMA"});
   checkEnds(2, convert + "--outliers=8,x", {"--outliers: '8,x' is not K or K,SIGMA, as in 8,1"});
+  checkEnds(2, convert + "--outliers 8,1000", {"--outliers: '8,1000' is not K or K,SIGMA, as in 8,1: 1000 is not a"});
+  checkEnds(2, convert + "--radius-outliers 4,-1", {"--radius-outliers: '4,-1' is not N,MM, as in 4,2.5: -1 is not a"});
   checkEnds(2, convert + "--radius-outliers 4", {"--radius-outliers: '4' is not N,MM, as in 4,2.5"});
   checkEnds(2, convert + "--subsample -1", {"--subsample"});
   checkEnds(1, convert + "--where 'z > 99'",
@@ -181,6 +183,37 @@ TEST_CASE("what is wrong with an option is said with its column, and nothing is 
   checkEnds(1, convert + "--normals flip", {"has no normals to flip; use --normals estimate"});
   CHECK_FALSE(std::filesystem::exists(out));
   checkEnds(2, "touch water --backend cpu --where 'z > 1'", {"only the points of a file are selected and cleaned"});
+}
+
+TEST_CASE("the numbers of --outliers follow it with a blank or =, and may be left out") {
+  const ScratchFolder folder;
+  const std::string in = (folder / "in.las").string();
+  writeCloud(in, street());
+  const auto converted = [&](const char* option, const char* name) {
+    works("convert " + in + " " + option + " " + (folder / name).string());
+    return contentOf(folder / name);
+  };
+  const std::string usual = converted("--outliers 8,1", "a.ply");
+  CHECK(converted("--outliers=8,1", "b.ply") == usual);
+  CHECK(converted("--outliers", "c.ply") == usual);
+  CHECK(converted("--outliers 8", "d.ply") == usual);
+}
+
+TEST_CASE("a part of a model is in the hand as it was in the whole, in one command and after saving") {
+  const ScratchFolder folder;
+  const auto file = [&](const char* name) { return (folder / name).string(); };
+  works("make sphere -n 4000 --size 40 -o " + file("m.ply"));
+  works("convert " + file("m.ply") + " " + file("part.ply") + " --where 'z > 15' --json " + file("c.json"));
+  CHECK(contentOf(folder / "part.ply").find("comment touch_scale: 2.5") != std::string::npos);
+  checkEnds(0, "convert " + file("m.ply") + " " + file("part.npy") + " --where 'z > 15'",
+            {"NPY cannot hold the up axis and the touch scale of the whole model"});
+  const auto scaleOf = [&](const std::string& model) {
+    works("touch " + model + " --backend cpu --duration 0.05 --json " + file("t.json"));
+    return jsonOf(folder / "t.json")["mm_per_unit"].get<double>();
+  };
+  const double whole = scaleOf(file("m.ply"));
+  CHECK(scaleOf(file("m.ply") + " --where 'z > 15'") == whole);
+  CHECK(scaleOf(file("part.ply")) == near(whole, 1e-6));
 }
 
 TEST_CASE("touch, render and mesh prepare their model by the same options, and a log repeats it") {

@@ -146,7 +146,12 @@ TEST_CASE("a range is numbers or percentiles, and others are refused with what i
   CHECK(rangeIn("r", "0%,100%", field, sorted) == std::pair{0.5, 2.5});
   CHECK(rangeIn("r", "50%, 3", field, sorted) == std::pair{1.5, 3.0});
   CHECK(rangeIn("r", "-1e2,1e2", field, {}) == std::pair{-100.0, 100.0});
-  CHECK(errorOf<UsageError>([&] { rangeIn("r", "3,1", field, sorted); }) == "r: '3,1' begins above its end");
+  CHECK(errorOf<UsageError>([&] { rangeIn("r", "3,1", field, sorted); }) ==
+        "r: '3,1' begins above its end; write the lower number first");
+  for (const char* reversed : {"3,1", "9%,2%"})
+    CHECK(errorOf<UsageError>([&] { checkRange("r", reversed); }) ==
+          fmt::format("r: '{}' begins above its end; write the lower number first", reversed));
+  checkRange("r", "50%, 3");
   for (const char* wrong : {"", "5", "a,b", "1,2,3", "1%,101%", "nan,1", "1,inf", "%,5"})
     CHECK(errorOf<UsageError>([&] { checkRange("r", wrong); }) ==
           fmt::format("r: '{}' is not LOW,HIGH, as in 0,12.5 or 2%,98%", wrong));

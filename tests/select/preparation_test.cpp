@@ -11,7 +11,9 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
+#include "engine/cloud/up.hpp"
 #include "engine/select/expression.hpp"
 #include "engine/select/field_rule.hpp"
 #include "engine/select/field_statistics.hpp"
@@ -115,36 +117,36 @@ TEST_CASE("an attribute of the file hides a computed field of its name") {
 
 TEST_CASE("a rule sets a field where its condition holds, in the field's type") {
   PointCloud cloud = grid(10, 1);
-  CHECK(applyRule("--set", "uint8 label = 3 if x > 4", cloud, {}) == 50);
-  CHECK(applyRule("--set", "label = label + x if y == 0", cloud, {}) == 10);
+  CHECK(applyRule("--set", "uint8 label = 3 if x > 4", cloud, {}).set == 50);
+  CHECK(applyRule("--set", "label = label + x if y == 0", cloud, {}).set == 10);
   auto labels = valuesIn<std::uint8_t>(cloud, "label");
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Vec3& p = cloud.positions[i];
     CHECK(labels[i] == (p.x > 4 ? 3 : 0) + (p.y == 0 ? static_cast<int>(p.x) : 0));
   }
-  CHECK(applyRule("--set", "half = x / 2 if x >= 1", cloud, {}) == 90);
+  CHECK(applyRule("--set", "half = x / 2 if x >= 1", cloud, {}).set == 90);
   const auto halves = valuesIn<double>(cloud, "half");
   CHECK(std::isnan(halves[0]));
   CHECK(halves[95] == 4.5);
-  CHECK(applyRule("--set", "\"my name\"=1e300*x", cloud, {}) == 100);
-  CHECK(applyRule("--set", "float32 'single' = 0.1", cloud, {}) == 100);
+  CHECK(applyRule("--set", "\"my name\"=1e300*x", cloud, {}).set == 100);
+  CHECK(applyRule("--set", "float32 'single' = 0.1", cloud, {}).set == 100);
   CHECK(valuesIn<float>(cloud, "single")[3] == 0.1f);
-  CHECK(applyRule("--set", "int64 id = 9007199254740992", cloud, {}) == 100);
-  CHECK(applyRule("--set", "id = id + 1 if x == 2", cloud, {}) == 10);
+  CHECK(applyRule("--set", "int64 id = 9007199254740992", cloud, {}).set == 100);
+  CHECK(applyRule("--set", "id = id + 1 if x == 2", cloud, {}).set == 10);
   CHECK(valuesIn<std::int64_t>(cloud, "id")[20] == 9007199254740993);
-  CHECK(applyRule("--set", "other = id", cloud, {}) == 100);
+  CHECK(applyRule("--set", "other = id", cloud, {}).set == 100);
   CHECK(valuesIn<std::int64_t>(cloud, "other")[20] == 9007199254740993);
-  CHECK(applyRule("--set", "uint64 big = 18446744073709551615", cloud, {}) == 100);
+  CHECK(applyRule("--set", "uint64 big = 18446744073709551615", cloud, {}).set == 100);
   CHECK(valuesIn<std::uint64_t>(cloud, "big")[0] == 18446744073709551615u);
-  CHECK(applyRule("--set", "red = 255 if x < 1", cloud, {}) == 10);
+  CHECK(applyRule("--set", "red = 255 if x < 1", cloud, {}).set == 10);
   CHECK(cloud.colors[0][0] == 255);
   CHECK(cloud.colors[0][1] == cloud.colors[50][1]);
-  CHECK(applyRule("--set", "label = 2.5", cloud, {}) == 100);  // to the even number
+  CHECK(applyRule("--set", "label = 2.5", cloud, {}).set == 100);  // to the even number
   CHECK(valuesIn<std::uint8_t>(cloud, "label")[0] == 2);
-  CHECK(applyRule("--set", "height = height if z > 99", cloud, {}) == 0);
+  CHECK(applyRule("--set", "height = height if z > 99", cloud, {}).set == 0);
   CHECK(std::isnan(valuesIn<double>(cloud, "height")[0]));
   PointCloud none;
-  CHECK(applyRule("--set", "a = 1", none, {}) == 0);
+  CHECK(applyRule("--set", "a = 1", none, {}).set == 0);
 }
 
 TEST_CASE("a rule that cannot be applied names why, and changes nothing") {
@@ -194,7 +196,7 @@ TEST_CASE("moved points keep those that are not moved bit by bit, in doubles and
   doubles.origin = {4e6, 0, 0};
   doubles.exactPositions = {{4000000.123456789, 1e-9, 0.3}, {4000000.123456788, 0, 5}};
   for (const DVec3& each : doubles.exactPositions) doubles.positions.emplace_back(each - doubles.origin);
-  CHECK(applyRule("--set", "z = z - 12.5 if z > 1", doubles, {}) == 1);
+  CHECK(applyRule("--set", "z = z - 12.5 if z > 1", doubles, {}).set == 1);
   CHECK(doubles.fileCoordinates(0) == DVec3(4000000.123456789, 1e-9, 0.3));
   CHECK(doubles.fileCoordinates(1) == DVec3(4000000.123456788, 0, -7.5));
 
@@ -311,6 +313,40 @@ TEST_CASE("steps are done in their order, and each says what it leaves") {
   CHECK(nothing.cloud.empty());
   CHECK(prepared(cloud, {}, {}).cloud.positions == cloud.positions);
   CHECK(prepared(cloud, {.seed = 3}, {}).steps.empty());
+}
+
+TEST_CASE("a part of a model keeps its up axis and its touch scale, and states them") {
+  PointCloud cloud = grid(101, 1);  // 100 units: 1 mm in the hand for each
+  for (int i = 0; i < 400; ++i) cloud.positions.emplace_back(50 + 0.01f * static_cast<float>(i), 50, 20);
+  const Upright whole = findUp(cloud);
+  const Corners part = std::array{DVec3(0, 0, -1), DVec3(10, 4, 30)};
+  const PreparedCloud cropped = prepared(cloud, {.crop = part}, {});
+  REQUIRE(cropped.upright);
+  CHECK(cropped.upright->up == whole.up);
+  CHECK(upSaidIn(cropped.cloud.storedAs.comments) == whole.up);
+  CHECK(touchScaleSaidIn(cropped.cloud.storedAs.comments) == 1.0);
+  CHECK(mmPerUnit(cropped.cloud, 0) == 1);
+  CHECK(unitSaidIn(cropped.cloud.storedAs.comments) == LengthUnit::unknown);  // of which a touch scale says nothing
+  // Again, and closer: it is still that of the first whole.
+  CHECK(mmPerUnit(prepared(cropped.cloud, {.where = "x < 3"}, {}).cloud, 0) == 1);
+  CHECK(prepared(cloud, {.where = "x >= 0"}, {}).cloud.storedAs.comments.empty());  // nothing was removed
+  const PreparedCloud rotated = prepared(cloud, {.crop = part, .upright = UpAxis::x}, {});
+  CHECK_FALSE(rotated.upright);
+  CHECK(upSaidIn(rotated.cloud.storedAs.comments) == UpAxis::z);
+  const PreparedCloud scaled = prepared(cloud, {.crop = part, .set = {"x = 1000 * x", "y = 1000 * y"}}, {});
+  CHECK_FALSE(touchScaleSaidIn(scaled.cloud.storedAs.comments));  // of other units
+  cloud.storedAs.comments = {"comment mm_per_unit: 3", "comment up: x"};
+  CHECK(prepared(cloud, {.crop = part}, {}).cloud.storedAs.comments == cloud.storedAs.comments);
+}
+
+TEST_CASE("a rule says for how many points its number is not finite") {
+  PointCloud cloud = grid(4, 1);
+  CHECK(applyRule("--set", "share = y / x", cloud, {}).notFinite == 4);
+  CHECK(applyRule("--set", "share = 1 / 0 if x == 1", cloud, {}).notFinite == 4);
+  CHECK(applyRule("--set", "share = x", cloud, {}).notFinite == 0);
+  std::string said;
+  prepared(cloud, {.set = {"foo = 1 / 0"}}, {}, [&](const PreparedStep& step) { said = step.what; });
+  CHECK(said == "\"foo = 1 / 0\" sets 16 points, 16 of them to inf or nan");
 }
 
 TEST_CASE("corners are read and written, and lengths in mm are those of the file") {

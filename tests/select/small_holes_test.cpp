@@ -131,6 +131,7 @@ TEST_CASE("a hole in a plane, a sphere and a cylinder is closed with even points
         const HoleFilling filling = fillHoles(holed, wide + 3);
         CHECK(filling.closed == 1);
         CHECK(filling.left == 0);
+        if (truth.name != "cylinder") CHECK(filling.wider == 0);
         CHECK(filling.points.size() == within(static_cast<double>(missing.count()), 1.6 + 0.06 * wide * wide));
         const Judged judged = judge(truth, holed, missing, filling, radius);
         MESSAGE(truth.name, " ", wide, " ", noise, ": ", filling.points.size(), " for ", missing.count(), ", off ",
@@ -143,7 +144,11 @@ TEST_CASE("a hole in a plane, a sphere and a cylinder is closed with even points
         CHECK(judged.apart <= 1.3);
         CHECK(judged.left <= 1.1);
         // It is wider than that, so that it stays.
-        CHECK(fillHoles(holed, wide - 0.5).points.empty());
+        const HoleFilling open = fillHoles(holed, wide - 0.5);
+        CHECK(open.points.empty());
+        CHECK(open.wider >= 1);  // a tube is open at its ends, too
+        CHECK(open.narrowest == within(wide + 1, 1.5));
+        CHECK(fillHoles(holed, open.narrowest).closed == 1);
       }
 }
 
@@ -275,7 +280,11 @@ TEST_CASE("the rim of a bowl is left open, which is said, and a job that closes 
     }
   const HoleFilling filling = fillHoles(bowl, 1000);
   CHECK(filling.points.empty());
-  CHECK(inWords(filling) == "closes 0 holes with 0 new points; 1 hole is left open, whose rim folds");
+  CHECK(inWords(filling, 1) == "closes 0 holes with 0 new points; 1 hole is left open, whose rim folds");
+  // Rounded up, so that the length that is shown closes it.
+  CHECK(inWords({.closed = 2, .wider = 3, .narrowest = 1.23401}, 10) ==
+        "closes 2 holes with 0 new points; 3 holes are wider, the narrowest 12.4 mm");
+  CHECK(inWords({.wider = 1, .narrowest = 0.5}, 1) == "closes 0 holes with 0 new points; 1 hole is wider: 0.5 mm");
   const std::atomic<bool> stopped = true;
   const JobStopScope stops({.flag = &stopped, .mayCut = true});
   CHECK_THROWS_AS(fillHoles(bowl, 1000), Stopped);

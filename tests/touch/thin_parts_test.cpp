@@ -296,17 +296,51 @@ TEST_CASE_FIXTURE(OnBackEnd, "a brush that has done its work, or is slower than 
 
 TEST_CASE("an edit is blocked if nearly all points are that would move, and not few of those that its stroke reaches") {
   BlockedCount count;
-  count.note(1, 0, 100);
-  count.note(1, 20, 0);
-  count.note(1, 90, 20);
+  count.note(1, 0, 100, true);
+  count.note(1, 20, 0, true);
+  count.note(1, 90, 20, true);
   CHECK(count.sum().edits == 0);
-  count.note(1, 90, 10);
+  count.note(1, 90, 10, true);
   CHECK(count.sum().edits == 1);
-  count.note(2, 5, 0);
+  count.note(2, 5, 0, true);
   CHECK(count.sum().edits == 2);
-  count.note(2, 0, 0);
+  count.note(2, 0, 0, true);
   CHECK(count.sum().edits == 2);
   CHECK(count.sum().moves == 205);
+  CHECK(count.sum().fromBehind == 0);
+  count.note(3, 0, 5, false);
+  CHECK(count.sum().fromBehind == 0);
+  count.note(3, 0, 0, false);
+  CHECK(count.sum().fromBehind == 1);
+}
+
+TEST_CASE_FIXTURE(OnBackEnd, "a brush at the back of an open sheet changes nothing, which is counted") {
+  for (const BrushKind kind : {BrushKind::push, BrushKind::inflate, BrushKind::smooth, BrushKind::flatten})
+    for (const double side : {-1.0, 1.0}) {
+      CAPTURE(int(kind));
+      CAPTURE(side);
+      PointCloud sheet;
+      const auto wave = waveFor(kind);
+      for (double y = -10; y <= 10; y += kSpacing)
+        for (double x = -16; x <= 16; x += kSpacing) {
+          sheet.positions.emplace_back(Vec3(x, y, wave(x)));
+          sheet.normals.emplace_back(0, 0, 1);
+        }
+      const auto touch = make(sheet, wanted(kind));
+      for (int k = 0; k < 100; ++k)
+        touch->query({.time_s = 1e-3 * k, .hip = DVec3(0, 0, side * std::max(3 - 0.1 * k, -1.5))}, 0);
+      touch->finish();
+      PointCloud after = sheet;
+      const std::size_t changed = touch->readBack(after);
+      const BlockedMoves blocked = touch->edits()->blocked();
+      if (side < 0) {
+        CHECK(changed == 0);
+        CHECK(blocked.fromBehind > 30);
+      } else {
+        CHECK(changed > 50);
+        CHECK(blocked.fromBehind == 0);
+      }
+    }
 }
 
 // A point that waits for its turn goes no further than it has seen. If the hand went on, a gap would open beside it, be
