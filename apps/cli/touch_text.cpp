@@ -141,7 +141,7 @@ void printTicks(const Rows& rows, const TouchReport& report) {
                                        counted(report.blocked.edits, "edit")));
   if (report.blocked.fromBehind)
     rows.print("from behind",
-               fmt::format("{} changed nothing: the hand was at the back of the surface; --normals flip turns it",
+               fmt::format("nothing changed in {}: the hand was behind the surface; --normals flip turns it",
                            counted(report.blocked.fromBehind, "edit")));
   if (report.shape) rows.print("shape", fmt::format("strokes that changed the rest shape: {}", report.shape->strokes));
   if (trace.contactTicks == 0 && !report.matter)

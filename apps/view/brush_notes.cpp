@@ -44,7 +44,9 @@ void BrushNotes::noteBack(const WindowSession& session, Messages& messages) {
   constexpr std::uint64_t kSurely = 20;
   if (knowsBack_ || session.session().blocked().fromBehind < kSurely) return;
   knowsBack_ = true;
-  messages.say("brushes work on the front of a surface, and this is its back: Flip (under Clean) turns it");
+  messages.say(
+      "the hand is behind the surface, where brushes do nothing: come from its front, or turn it with Flip (under "
+      "Clean)");
 }
 
 }  // namespace palpate

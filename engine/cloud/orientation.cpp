@@ -183,9 +183,15 @@ void joinParts(const SortedEdges& edges, SignGroups& groups) {
   }
 }
 
+bool topFacesDown(std::span<const SurfacePoint> surface) {
+  const auto top = std::ranges::max_element(surface, {}, [](const SurfacePoint& point) { return point.position.z; });
+  return top->normal.z < 0;
+}
+
 /// For each point whether its normal is flipped, so that each group faces outwards.
 std::vector<std::uint8_t> turnsOf(std::span<const Vec3> points, std::span<const Vec3> normals,
-                                  std::span<const float> reaches, SignGroups& groups, UpAxis up, unsigned threads) {
+                                  std::span<const float> reaches, SignGroups& groups, std::optional<UpAxis> up,
+                                  unsigned threads) {
   const auto count = static_cast<std::uint32_t>(points.size());
   std::vector<std::uint32_t> next(count + 1);  // counts, then first members, then the end of each group's members
   StopChecks checks;
@@ -206,7 +212,7 @@ std::vector<std::uint8_t> turnsOf(std::span<const Vec3> points, std::span<const 
       const std::uint32_t i = members[n];
       surface.push_back({points[i], groups.isFlipped(i) ? -normals[i] : normals[i], reaches[i]});
     }
-    const bool inwards = facesInwards(surface, up, threads);
+    const bool inwards = up ? facesInwards(surface, *up, threads) : topFacesDown(surface);
     for (std::uint32_t n = begin; n < end; ++n) turns[members[n]] = inwards != groups.isFlipped(members[n]);
   }
   return turns;
@@ -215,8 +221,9 @@ std::vector<std::uint8_t> turnsOf(std::span<const Vec3> points, std::span<const 
 }  // namespace
 
 void orientNormals(std::span<const Vec3> points, std::span<Vec3> normals, const NeighbourGraph& graph, unsigned threads,
-                   UpAxis up) {
-  const std::vector<float> reaches = reachesOf(points, graph, threads);
+                   std::optional<UpAxis> up) {
+  constexpr float kFar = std::numeric_limits<float>::infinity();  // no edge is long
+  const std::vector<float> reaches = up ? reachesOf(points, graph, threads) : std::vector<float>(points.size(), kFar);
   SignGroups groups(points.size());
   StopChecks checks;
   const SortedEdges edges = edgesByCost(points, normals, graph, reaches, threads);

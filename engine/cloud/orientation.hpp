@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,9 +32,11 @@ struct NeighbourGraph {
 /// "Consistent propagation of normal orientations in point clouds"), which follows edges and distinguishes the two
 /// faces of a sheet. Edges that are three times longer than those around one of their ends come last, and
 /// join two parts of 500 points and more only if as many of them agree as along a border, so that points that float
-/// between two parts do not connect these. Each connected part then faces outwards (facesInwards(), for this `up`). The
-/// points must be distinct. The result does not depend on `threads` (0: one per core).
+/// between two parts do not connect these. Each connected part then faces outwards
+/// (facesInwards()). Without `up`, as for the sheets of Gaussians, most of which float about, all edges join, and the
+/// highest point (largest z) of each part faces upwards. The points must be distinct. The result does not depend on
+/// `threads` (0: one per core).
 void orientNormals(std::span<const Vec3> points, std::span<Vec3> normals, const NeighbourGraph& graph,
-                   unsigned threads = 0, UpAxis up = UpAxis::z);
+                   unsigned threads = 0, std::optional<UpAxis> up = {});
 
 }  // namespace palpate

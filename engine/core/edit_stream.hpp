@@ -27,7 +27,8 @@ struct EditProgress {
 struct BlockedMoves {
   std::uint64_t moves = 0;  ///< moves of points for which there was no room: in each edit, one for each such point
   std::uint64_t edits = 0;  ///< edits in which nearly all points under the brush were blocked
-  /// Edits without an effect, since all points around the hand face away from it: it is at the back of an open surface.
+  /// Edits without an effect, since all points around the hand face away from it, as at the back of an open surface,
+  /// and ticks of a hand with its button pressed that is behind the surface and touches nothing.
   std::uint64_t fromBehind = 0;
 };
 

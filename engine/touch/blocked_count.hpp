@@ -24,6 +24,8 @@ class BlockedCount {
     edits_.fetch_add(nearlyAll, std::memory_order_relaxed);
     fromBehind_.fetch_add(!meets && blocked + changed == 0, std::memory_order_relaxed);
   }
+  /// Takes in a tick in which a hand with its button pressed is behind the surface and touches nothing.
+  void noteBehind() noexcept { fromBehind_.fetch_add(1, std::memory_order_relaxed); }
   BlockedMoves sum() const noexcept {
     return {.moves = moves_.load(std::memory_order_relaxed),
             .edits = edits_.load(std::memory_order_relaxed),

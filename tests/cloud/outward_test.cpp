@@ -18,18 +18,19 @@ namespace palpate::test::outward_test {
 
 namespace {
 
-struct Strays {
+struct Outliers {
   double share = 0;  ///< of the cloud's points, in a box half as large again
   unsigned seed = 1;
 };
 
-void addStrays(PointCloud& cloud, const Strays& strays) {
+void addOutliers(PointCloud& cloud, const Outliers& outliers) {
   const Bounds box = boundsOf(cloud);
-  std::mt19937 random(strays.seed);
+  std::mt19937 random(outliers.seed);
   std::uniform_real_distribution<double> side(-0.25, 1.25);
-  const auto count = static_cast<std::size_t>(strays.share * static_cast<double>(cloud.size()));
+  const auto count = static_cast<std::size_t>(outliers.share * static_cast<double>(cloud.size()));
   for (std::size_t i = 0; i < count; ++i) {
-    const DVec3 at(side(random), side(random), side(random));
+    const double x = side(random), y = side(random), z = side(random);
+    const DVec3 at(x, y, z);
     cloud.positions.emplace_back(box.min + at * (box.max - box.min));
   }
 }
@@ -75,7 +76,7 @@ TEST_CASE("points that float about do not turn the normals of a surface") {
           const double spacing = meanSpacing(sampleShape(*makeShape(shape), {.count = 6000}));
           PointCloud cloud = sampleShape(*makeShape(shape), {.count = 6000, .noise = noise * spacing});
           const std::vector<Vec3> truth = cloud.normals;
-          addStrays(cloud, {share, seed});
+          addOutliers(cloud, {share, seed});
           CAPTURE(shape);
           CAPTURE(noise);
           CAPTURE(share);
@@ -92,9 +93,9 @@ TEST_CASE("points that float about do not turn the normals of real scans") {
     const double clean = reversed(cloud, cloud.normals);
     for (const double share : {0.01, 0.05}) {
       PointCloud strewn = cloud;
-      addStrays(strewn, {share});
+      addOutliers(strewn, {share});
       const double found = reversed(strewn, cloud.normals);
-      MESSAGE(file, ", ", share, " strays: ", found, " of the normals are reversed, without strays ", clean);
+      MESSAGE(file, ", ", share, " outliers: ", found, " of the normals are reversed, without them ", clean);
       CHECK(found < 0.005);
     }
     CHECK(clean < 0.005);
@@ -114,7 +115,7 @@ TEST_CASE("parts that touch nothing face outwards each, with points that float b
   for (const unsigned seed : {1u, 2u, 3u}) {
     CAPTURE(seed);
     PointCloud strewn = cloud;
-    addStrays(strewn, {0.05, seed});
+    addOutliers(strewn, {0.05, seed});
     CHECK(reversed(strewn, truth, UpAxis::z) < 0.01);
   }
 }

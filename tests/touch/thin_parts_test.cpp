@@ -343,6 +343,27 @@ TEST_CASE_FIXTURE(OnBackEnd, "a brush at the back of an open sheet changes nothi
     }
 }
 
+TEST_CASE_FIXTURE(OnBackEnd, "a hand that presses its button behind a surface, without contact, is counted") {
+  for (const double side : {-1.0, 1.0}) {
+    CAPTURE(side);
+    PointCloud sheet;
+    for (double y = -10; y <= 10; y += kSpacing)
+      for (double x = -16; x <= 16; x += kSpacing) {
+        sheet.positions.emplace_back(Vec3(x, y, 0));
+        sheet.normals.emplace_back(0, 0, 1);
+      }
+    const auto touch = make(sheet, wanted(BrushKind::push));
+    for (const bool presses : {false, true}) {
+      for (int k = 0; k < 30; ++k)
+        touch->query(
+            {.time_s = 1e-3 * (k + (presses ? 30 : 0)), .hip = DVec3(0, 0, side), .sculpts = presses, .byButton = true},
+            0);
+      touch->finish();
+      CHECK((touch->edits()->blocked().fromBehind > 20) == (presses && side < 0));
+    }
+  }
+}
+
 // A point that waits for its turn goes no further than it has seen. If the hand went on, a gap would open beside it, be
 // filled, and the new points would have to wait, too.
 TEST_CASE("a quick grab of more points than an edit takes waits for them, and fills nothing that lags behind") {
