@@ -66,9 +66,10 @@ struct Edge {
   bool differ;            ///< whether the current normals disagree
 };
 
-// An edge that is longer than this, in reaches of one of its ends, or of the second if only one end knows the other,
-// leads from a point that floats about to a surface, or from a sparse part of a surface to a dense one.
-constexpr float kLong = 3, kLongOneWay = 1.8f;
+// An edge that is longer than this, in reaches of one of its ends, leads from a point that floats about to a surface,
+// or from a sparse part of a surface to a dense one. So does a shorter one of which only one end knows the other, also
+// if the reaches of its ends differ by a factor.
+constexpr float kLong = 3, kLongOneWay = 1.8f, kUneven = 1.5f;
 // Number of points from which on long edges alone join a part to another only if enough of them agree: a part of n
 // points has a border of about sqrt(n), whereas the signs of points that float about are random. Of these edges count
 // those up to a cost; most edges from a point that floats about are normal to the surface.
@@ -89,7 +90,8 @@ Edge edgeBetween(std::span<const Vec3> points, std::span<const Vec3> normals, st
   const float turn = std::sqrt(1 - std::min(1.0f, std::abs(agreement)));
   const float cost = std::max({turn, std::abs(offI), std::abs(offJ)});
   const float length = glm::length(way), reach = std::min(reaches[i], reaches[j]);
-  const bool isLong = length > kLong * reach || (length > kLongOneWay * reach && !isMutual());
+  const bool isSuspect = length > kLongOneWay * reach || std::max(reaches[i], reaches[j]) > kUneven * reach;
+  const bool isLong = length > kLong * reach || (isSuspect && !isMutual());
   return {classOf(cost) + (isLong ? kClasses : 0), agreement < 0};
 }
 
