@@ -54,7 +54,7 @@ TEST_CASE("mesh refuses what it cannot do with a reason, and leaves no file") {
                                         "property float z\nend_header\n";
   checkEnds(1, "mesh " + (folder / "none.ply").string() + " -o " + out, {"no points"});
   works("make sphere -n 1 -o " + (folder / "one.ply").string());
-  checkEnds(1, "mesh " + (folder / "one.ply").string() + " -o " + out, {"no surface"});
+  checkEnds(1, "mesh " + (folder / "one.ply").string() + " -o " + out, {"too few for a surface"});
   CHECK_FALSE(std::filesystem::exists(out));
   std::ofstream(folder / "two.xyz") << "0 0 0\n1 0 0\n";
   checkEnds(1, "mesh " + (folder / "two.xyz").string() + " -o " + out,
