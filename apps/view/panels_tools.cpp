@@ -159,7 +159,9 @@ void Panels::drawStatusLine(const ViewStatus& status) {
   const float room = display.x - em(2.4) - ImGui::CalcTextSize(where.c_str()).x;
   std::string line;
   for (const std::string& fact : facts) {
-    const std::string longer = line + (line.empty() ? "" : "   ") + fact;
+    std::string longer = line;
+    if (!line.empty()) longer += "   ";
+    longer += fact;
     if (ImGui::CalcTextSize(longer.c_str()).x > room) break;
     line = longer;
   }
