@@ -33,6 +33,8 @@ std::vector<CameraRequest> camerasIn(const std::string& file) {
     } catch (const UsageError& error) {
       lines.fail(error.what());
     }
+    if (const CameraRequest& camera = cameras.back(); camera.eye && camera.target && *camera.eye == *camera.target)
+      lines.fail("eye and target are the same point");
     const auto isFlat = [](const CameraRequest& camera) { return camera.ortho || camera.isometric; };
     if (isFlat(cameras.front()) != isFlat(cameras.back()))
       lines.fail("this camera is orthographic and the first is not, or the other way round");

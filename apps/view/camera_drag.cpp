@@ -15,7 +15,8 @@ void CameraDrag::begin(const Camera& camera, const DVec3& pivot, bool pans) {
 Camera CameraDrag::moved(const Camera& camera, const DVec2& way_px, const DVec2& size_px) const {
   if (kind_ == Kind::orbit) return orbited(camera, pivot_, way_px, size_px);
   if (kind_ == Kind::pan) return panned(camera, depth_, way_px, size_px);
-  if (kind_ == Kind::turn) return orbited(camera, camera.eye, -way_px, size_px);
+  constexpr double kHalfTurn_deg = 180;  // orbited() makes one by the picture's height: the picture follows the mouse
+  if (kind_ == Kind::turn) return orbited(camera, camera.eye, -camera.fov_deg / kHalfTurn_deg * way_px, size_px);
   return camera;
 }
 

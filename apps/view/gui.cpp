@@ -71,6 +71,7 @@ Gui::Gui(Window& window) : window_(window) {
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // panel positions are fixed
   io.BackendRendererName = "palpate";
+  io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;  // many small pictures have many vertices (gather())
   for (const auto& [key, number] : kKeys) io.KeyMap[key] = number;
   io.ClipboardUserData = this;
   io.SetClipboardTextFn = [](void* self, const char* text) { static_cast<Gui*>(self)->window_.setClipboard(text); };

@@ -63,7 +63,7 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view) {
   checkbox("orthographic", view.orthographic);
   help("Ctrl+8: without perspective, so that lengths can be compared wherever they are");
   for (std::size_t k = 0; k < kGuides.size(); ++k) {
-    if (k > 0) ImGui::SameLine();
+    if (k % 2 != 0) ImGui::SameLine(em(6));
     checkbox(kGuides[k].first.data(), view.guides.*kGuides[k].second);
   }
   help("guides: the box with its lengths, axes with coordinates, squares of a round length on the ground, directions");

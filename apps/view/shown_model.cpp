@@ -95,6 +95,7 @@ Image ShownModel::picture(WindowSession& session, Camera camera, const ViewSetti
                           const UVec2& size_px, const Measure& measure) const {
   camera.center = DVec2(0.5);
   FrameOptions options = frameOptions(session, view, field(), sight_.isCpu(), touched);
+  options.tintsSelected = false;
   options.lines = guides_.guides().linesWith(*lines_.lines(), camera, size_px);
   const PictureSize size{size_px.x, size_px.y};
   if (view.scaleBar) options.overlays.scale = scaleBar(camera, size);

@@ -84,6 +84,7 @@ void view(Context& context, const ViewCommandOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
   validate(options.color);
+  const GuideConfig guides = guidesNamed(options.guides, "--guides");
   // A held device requires realtime, also while a script plays.
   const bool isHeld = options.device != "auto" && options.device != HeldDevice::kMouse;
   const bool realtime = options.script.empty() || options.realtime || isHeld;
@@ -97,7 +98,7 @@ void view(Context& context, const ViewCommandOptions& options) {
                    .look = options.look,
                    .color = options.color,
                    .light = options.light,
-                   .guides = guidesNamed(options.guides, "--guides"),
+                   .guides = guides,
                    .resolution = std::stoi(options.resolution),
                    .size_px = {width, height},
                    .held = held};

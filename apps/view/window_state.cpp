@@ -111,6 +111,11 @@ constexpr Reported<WindowState> kWindow[]{
      [](const WindowState& w) -> Value { return vectorJson(w.camera.target); }},
     {"camera.up", "", "direction that is up in the picture",
      [](const WindowState& w) -> Value { return vectorJson(w.camera.up); }},
+    {"camera.text", "", "all that for palpate render --camera, in the coordinates of the file; null without a model",
+     [](const WindowState& w) -> Value {
+       const WindowSession* const session = w.document.shown();
+       return session ? Json(textOf(w.camera, session->model().cloud.origin)) : Json(nullptr);
+     }},
     {"camera.ortho", "model units", "height of the orthographic picture; null: it has perspective",
      [](const WindowState& w) -> Value { return w.camera.isOrthographic() ? Json(w.camera.height) : Json(nullptr); }},
     {"size", "px", "width and height of the window",

@@ -110,29 +110,35 @@ class GaussianEdit {
 
   bool hasMoved(std::uint32_t point) const { return points_[point].position != file_.positions[point]; }
 
-  /// How a Gaussian moves with its point: as the neighbours that have moved, if these keep their shape. Else it moves
-  /// as the point, and rotates as all neighbours do, but about its own centre: one off the surface would swing far.
+  /// How a Gaussian moves with its point: as the nearest points that have moved, if these keep their shape. Else it
+  /// moves as the point, and rotates as all neighbours do if the surface bends smoothly there, but about its own
+  /// centre: one off the surface would swing far. At the border of what was moved it keeps to its normal.
   GaussianMotion motionAt(std::uint32_t point, const DVec3& center) const {
-    constexpr std::size_t kNeighbours = 12, kFewest = 5;
+    constexpr std::size_t kNeighbours = 12, kWide = 48, kFewest = 5, kFewestMoved = 4;
     constexpr float kSameSide = 0.5f;
     constexpr double kSameShape = 1e-3, kSameSize = 0.01;  // a brush that bends a surface hardly scales it
-    std::array<std::uint32_t, kNeighbours> near;
-    std::array<double, kNeighbours> squared;
+    constexpr double kBent = 0.3;
+    std::array<std::uint32_t, kWide> near;
+    std::array<double, kWide> squared;
     const std::size_t count = tree_.nearest(file_.positions[point], near, squared);
     std::vector<DVec3> before, now, movedBefore, movedNow;
-    for (const std::uint32_t other : std::span(near).first(count)) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint32_t other = near[k];
+      if (points_[other].gone) continue;
       const bool isSameSide = glm::dot(file_.normals[other], file_.normals[point]) > kSameSide;
-      if (points_[other].gone || !isSameSide) continue;
-      before.push_back(inFile(other)), now.push_back(present(other));
-      if (hasMoved(other)) movedBefore.push_back(inFile(other)), movedNow.push_back(present(other));
+      if (k < kNeighbours && isSameSide) before.push_back(inFile(other)), now.push_back(present(other));
+      if (hasMoved(other) && movedBefore.size() < kNeighbours)
+        movedBefore.push_back(inFile(other)), movedNow.push_back(present(other));
     }
-    if (movedBefore.size() >= kFewest) {
+    if (movedBefore.size() >= kFewestMoved) {
       const Similarity fit = nearestSimilarity(movedBefore, movedNow);
       const double scale = std::abs(fit.scale - 1) > kSameSize ? fit.scale : 1;
       if (fit.misfit < kSameShape) return {fit.rotation, inFile(point), present(point), scale};
     }
-    if (before.size() < kFewest) return alongWith(center, point, points_[point]);
-    return {nearestSimilarity(before, now).rotation, center, center + (present(point) - inFile(point))};
+    if (before.size() >= kFewest)
+      if (const Similarity fit = nearestSimilarity(before, now); fit.misfit < kBent)
+        return {fit.rotation, center, center + (present(point) - inFile(point))};
+    return alongWith(center, point, points_[point]);
   }
 
   /// From a point of the file to a state, with the normal.

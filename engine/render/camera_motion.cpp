@@ -108,13 +108,14 @@ Camera alongCameras(std::span<const Camera> cameras, double at) {
   const std::ptrdiff_t leg =
       std::clamp(static_cast<std::ptrdiff_t>(std::floor(at)), std::ptrdiff_t{0}, std::max(last - 1, std::ptrdiff_t{0}));
   const double t = std::clamp(at - static_cast<double>(leg), 0.0, 1.0);
-  std::array<DVec3, 4> targets;
+  std::array<DVec3, 4> targets, eyes;
   std::array<DQuat, 4> directions;
   std::array<double, 4> distances{}, heights{}, fields{};
   for (std::size_t k = 0; k < 4; ++k) {
     const Camera& each = cameras[static_cast<std::size_t>(
         std::clamp(leg + static_cast<std::ptrdiff_t>(k) - 1, std::ptrdiff_t{0}, last))];
     targets[k] = each.target;
+    eyes[k] = each.eye;
     directions[k] = directionOf(each);
     if (k > 0 && glm::dot(directions[k - 1], directions[k]) < 0) directions[k] = -directions[k];
     distances[k] = std::log(glm::distance(each.eye, each.target));
@@ -123,8 +124,10 @@ Camera alongCameras(std::span<const Camera> cameras, double at) {
   }
   const glm::dmat3 axes = glm::mat3_cast(glm::normalize(spline(directions, t)));
   Camera camera = cameras.front();
-  camera.target = spline(targets, t);
-  camera.eye = camera.target + std::exp(spline(distances, t)) * axes[2];
+  const DVec3 away = std::exp(spline(distances, t)) * axes[2];
+  const bool turnsHead = glm::distance(eyes[1], eyes[2]) < glm::distance(targets[1], targets[2]);
+  camera.target = turnsHead ? spline(eyes, t) - away : spline(targets, t);
+  camera.eye = camera.target + away;
   camera.up = axes[1];
   camera.fov_deg = spline(fields, t);
   if (camera.isOrthographic()) camera.height = std::exp(spline(heights, t));

@@ -158,7 +158,7 @@ Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options) {
     address = buffer->address();
   };
   const DrawnAttributes& attributes = cloud.attributes();
-  show(attributes.mask(MaskRole::selected), shared::kShownSelected, drawn.selected);
+  if (options.tintsSelected) show(attributes.mask(MaskRole::selected), shared::kShownSelected, drawn.selected);
   show(attributes.mask(MaskRole::hidden), shared::kShownHidden, drawn.hidden);
   if (std::holds_alternative<FieldColors>(options.color)) show(attributes.values(), shared::kShownField, drawn.values);
   drawn.hasColors = (drawn.shown & ~shared::kShownHidden) != 0;

@@ -17,6 +17,7 @@ constexpr std::array<Color, 3> kAxisColors{{{230, 80, 75}, {105, 190, 80}, {80, 
 constexpr Color kBoxColor{150, 160, 175};
 constexpr double kTick = 0.015;    // of the longest side
 constexpr double kTextOff = 0.05;  // distance of a number from its axis, of the longest side
+constexpr double kDigit = 0.1;     // of a step between coordinates: their last digit
 constexpr double kPieces = 5;      // of the longest axis, about
 constexpr double kSquares = 10;    // of the grid along the longest side, about
 constexpr double kMargin = 0.1;    // of the grid beside the model, of the longest side
@@ -66,7 +67,7 @@ void addAxes(Guides& guides, const Bounds& box, const DVec3& origin) {
       DVec3 at = box.min;
       at[axis] = value - origin[axis];
       guides.lines.push_back({.from = at, .to = at + kTick * longest * away, .color = color});
-      guides.labels.push_back({at + kTextOff * longest * away, coordinateText(value, step)});
+      guides.labels.push_back({at + kTextOff * longest * away, coordinateText(value, kDigit * step)});
     }
   }
 }

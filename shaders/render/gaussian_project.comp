@@ -37,7 +37,9 @@ mat3 turnOf(vec3 normal, vec3 normalNow, vec3 beside, vec3 besideNow) {
   if (normal == vec3(0) || normalNow == vec3(0)) return kNoTurn;
   const vec3 across = beside - dot(beside, normal) * normal;
   const vec3 acrossNow = besideNow - dot(besideNow, normalNow) * normalNow;
-  const bool isSeen = dot(across, across) > 0.01 * dot(beside, beside) &&
+  // At the border of what was moved the other point has stayed, and shows no rotation.
+  const float ratio = dot(besideNow, besideNow) / dot(beside, beside);
+  const bool isSeen = dot(across, across) > 0.01 * dot(beside, beside) && ratio > 0.5 && ratio < 2 &&
                       dot(acrossNow, acrossNow) > 0.01 * dot(besideNow, besideNow);  // false for NaN
   if (!isSeen) return shortestTurn(normal, normalNow);
   const vec3 x = normalize(across), now = normalize(acrossNow);

@@ -200,6 +200,27 @@ TEST_CASE("a part that is rotated and scaled as a whole takes its Gaussians alon
     }
 }
 
+TEST_CASE("Gaussians of points that are moved far from their neighbours shift with them, and do not rotate") {
+  for (const unsigned every : {3U, 7U, 40U}) {
+    CAPTURE(every);
+    Scene scene(splatBall(1, 800, {}));
+    for (PointState& point : scene.points)
+      if (point.number % every == 0) point.position += Vec3(300, 0, 0);
+    const SplatFile saved = scene.saved();
+    REQUIRE(saved.rows.size() == scene.file.rows.size());
+    std::size_t looked = 0;
+    for (std::size_t i = 0; i < saved.rows.size(); ++i) {
+      const double with = scene.nearest(i, [&](const PointState& p) { return p.number % every == 0; });
+      const double without = scene.nearest(i, [&](const PointState& p) { return p.number % every != 0; });
+      if (with >= without) continue;
+      ++looked;
+      CHECK(glm::distance(saved.center(i), scene.file.center(i) + DVec3(300, 0, 0)) < 1e-3);
+      checkSameSeen(scene.file, saved, i, {1, 0, 0, 0});
+    }
+    CHECK(looked > 5);
+  }
+}
+
 TEST_CASE("where a surface bends its Gaussians rotate with it, each about its own centre") {
   Scene scene(splatBall(1, 2000, {}));
   const auto bent = [](const DVec3& p) { return DVec3(p.x, p.y, p.z + 0.02 * p.x * p.x); };
