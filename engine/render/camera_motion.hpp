@@ -34,7 +34,8 @@ Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up, cons
 
 /// On a smooth way through these cameras: number k at `at` == k, between the first and the last. The target and the
 /// logarithm of the distance follow a spline (Catmull and Rom 1974), and so do the quaternions of the direction: a
-/// camera goes around what it looks at. Where the eye moves less than the target it is the eye that follows a spline. All of them are orthographic, or none is; the depth range is the first one's.
+/// camera goes around what it looks at. Where the eye moves less than the target, the eye follows a spline instead.
+/// All of them are orthographic, or none is; the depth range is the first one's.
 Camera alongCameras(std::span<const Camera> cameras, double at);
 
 /// Sides from which a model is viewed: right is to the right of a viewer in front of it.

@@ -1,4 +1,6 @@
 // Walking by keys, turning the head, and guides in the window.
+#include <numbers>
+
 #include "tests/apps/window_play.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
@@ -37,7 +39,7 @@ TEST_CASE("held arrows walk until they are released, Shift walks faster, and a r
 2.2 key v
 2.3 mouse 240 200
 2.3 button right down
-2.4 mouse 280 200
+2.4 mouse 340 200
 2.4 button right up
 2.5 state %/turned.json
 2.6 quit
@@ -55,7 +57,14 @@ TEST_CASE("held arrows walk until they are released, Shift walks faster, and a r
   CHECK(glm::distance(turned.eye, higher.eye) < 1e-9);
   // The picture follows the mouse to the right, so that the viewer looks to the left.
   const DVec3 right = glm::cross(higher.forward(), DVec3(0, 1, 0));
-  CHECK(glm::dot(turned.forward(), right) < -0.1);
+  constexpr double kFieldOfView = 0.25 * std::numbers::pi, kShare = 100.0 / 400;  // of the picture's height
+  CHECK(glm::dot(turned.forward(), right) == near(-std::sin(kFieldOfView * kShare), 0.05));
+}
+
+TEST_CASE("guides that do not exist are refused before a window opens") {
+  const Outcome outcome = palpate("view nothing.ply --guides box,foo");
+  CHECK(outcome.code == 2);
+  CHECK(says(outcome.text, "--guides: 'foo' is none of box, axes, grid and compass"));
 }
 
 TEST_CASE("guides are drawn in the window and in its pictures, and an idle window with them draws nothing") {

@@ -167,6 +167,11 @@ TEST_CASE("a way passes through its cameras, and goes around what opposite ones 
   CHECK(alongCameras(cameras, -1).eye == alongCameras(cameras, 0).eye);
   CHECK(alongCameras(cameras, 7).eye == alongCameras(cameras, 2).eye);
   CHECK(glm::distance(alongCameras(std::span(&front, 1), 0.5).eye, front.eye) < 1e-9);
+  // Who turns the head stays where they are.
+  Camera aside = front;
+  aside.target = front.eye + DVec3(10, 0, 0);
+  for (double at = 0; at <= 1; at += 0.1)
+    CHECK(glm::distance(alongCameras(std::array{front, aside}, at).eye, front.eye) < 1e-9);
   Camera flat = front, flatter = front;
   flat.height = 1, flatter.height = 4;
   CHECK(alongCameras(std::array{flat, flatter}, 0.5).height == near(2, 1e-9));
