@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <map>
+#include <random>
 
 #include "tests/error_of.hpp"
 #include "tests/sharing/flaky_server.hpp"
