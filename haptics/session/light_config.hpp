@@ -49,7 +49,7 @@ Light lightOf(const LightConfig& config, const Model& model, const LightFor& pic
 
 /// For FrameOptions::gaussians: auto draws them if the file has them and points with discs are drawn.
 bool drawsGaussians(const std::optional<bool>& chosen, const PointCloud& cloud, bool barePoints = false);
-/// Throws UsageError, which begins with `option`, if Gaussians are chosen and the cloud has none.
+/// Throws UsageError, which begins with `option`, if Gaussians are chosen for a cloud without Gaussians.
 void requireGaussians(const std::optional<bool>& chosen, const PointCloud& cloud, std::string_view option);
 
 }  // namespace palpate

@@ -74,7 +74,7 @@ TEST_CASE_FIXTURE(GpuFixture, "what the GPU cannot compute is left to the CPU") 
   PointCloud heap;
   heap.positions.assign(100, Vec3(1));
   CHECK_FALSE(neighbourDistances(device, heap, 8));
-  // Squares of so small distances are no floats.
+  // Squares of such small distances cannot be stored as floats.
   CHECK_FALSE(neighbourDistances(device, scattered(100, 1e-15, 4), 8));
 }
 

@@ -56,7 +56,7 @@ TEST_CASE("a found command is one meaning, of the tool that has it, and a settin
     REQUIRE_FALSE(found.empty());
     CHECK(posts({found[0]}, command));
   }
-  // What is held is no command, nor a row with several meanings.
+  // Keys that are held are not commands, and rows with several meanings are not either.
   for (const HelpEntry& entry : helpFor(WindowTool::sculpt, "hold Space"))
     if (entry.keys == "hold Space") CHECK_FALSE(entry.isCommand());
   const auto material = helpFor(WindowTool::sculpt, "look: material");
