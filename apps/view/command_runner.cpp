@@ -6,6 +6,8 @@
 
 #include "apps/view/recent_files.hpp"
 #include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/length_text.hpp"
+#include "engine/core/atomic_file.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
@@ -55,6 +57,7 @@ void CommandRunner::carryOut(const ViewCommand& command) {
   if (const auto* clean = std::get_if<CleanModel>(&command)) clean_.begin(*session, *clean, up);
   if (const auto* range = std::get_if<SetColorRange>(&command)) carryOut(*range);
   if (const auto* view = std::get_if<NamedViewCommand>(&command)) carryOut(*view);
+  if (const auto* measure = std::get_if<MeasureCommand>(&command)) carryOut(*measure);
   if (const auto* length = std::get_if<SetTrueLength>(&command))
     parts_.document.openAtScale(hands_.measure().scaleFor(length->text));
 }
@@ -68,16 +71,28 @@ void CommandRunner::carryOut(const NamedViewCommand& command) {
                         views_.remember(model, {command.name, textOf(parts_.viewpoint.camera(), origin)}));
   if (command.what == What::forget) views_.forget(model, command.name);
   if (command.what != What::show) return;
-  for (const NamedView& view : views_.of(model))
-    if (view.name == command.name) parts_.viewpoint.set(cameraOf(view.camera, origin, parts_.viewpoint.camera()));
+  for (const NamedText& view : views_.of(model))
+    if (view.name == command.name) parts_.viewpoint.set(cameraOf(view.text, origin, parts_.viewpoint.camera()));
   parts_.settings.view.orthographic = parts_.viewpoint.camera().isOrthographic();
+}
+
+void CommandRunner::carryOut(const MeasureCommand& command) {
+  using What = MeasureCommand::What;
+  Measure& measure = hands_.measure();
+  if (command.what == What::forget) measure.forget(command.name);
+  if (command.what == What::rename && !measure.rename(command.name, command.to))
+    throw Error("'{}' is the name of another distance", command.to);
+  if (command.what == What::show && measure.choose(command.name)) {
+    const auto& ends = measure.chosen()->ends;
+    parts_.viewpoint.lookAt(0.5 * (ends[0].place + ends[1].place));
+  }
 }
 
 void CommandRunner::carryOut(WindowCommand command) {
   if (command == WindowCommand::quit) isClosing_ = true;
   if (command == WindowCommand::stopReading) parts_.document.stopReading(), clean_.stop();
   if (command == WindowCommand::closeErrors) parts_.messages.closeErrors();
-  if (command == WindowCommand::forgetMeasure) hands_.measure().forget();
+  if (command == WindowCommand::endMeasure) hands_.measure().end();
   if (command == WindowCommand::switchForces) {
     parts_.settings.forcesOn = !parts_.settings.forcesOn;
     if (parts_.settings.forcesOn) parts_.messages.say("forces on");
@@ -87,6 +102,7 @@ void CommandRunner::carryOut(WindowCommand command) {
   if (command == WindowCommand::resetView) fitCamera();
   if (command == WindowCommand::turnModel) turnModel();
   if (command == WindowCommand::screenshot) savePicture();
+  if (command == WindowCommand::saveMeasures) saveMeasures();
 }
 
 void CommandRunner::carryOut(DeviceCommand command) {
@@ -164,6 +180,17 @@ void CommandRunner::savePicture() {
                                         hands_.pointing().isTouching() || session.isPlaying(), parts_.screen.size_px(),
                                         hands_.measure()));
   parts_.messages.say("picture written to " + file);
+}
+
+void CommandRunner::saveMeasures() {
+  const WindowSession& session = *parts_.document.session();
+  const ViewSettings& view = parts_.settings.view;
+  const std::string file = parts_.document.freeName("-distances", "csv");
+  AtomicFile out(file);
+  out.write(hands_.measure().csv(resolutionOf(session.bounds()), view.unitOf(session.model()),
+                                 view.upOf(session.model())));
+  out.commit();
+  parts_.messages.say("distances written to " + file);
 }
 
 void CommandRunner::turnModel() {

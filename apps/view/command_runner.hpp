@@ -3,7 +3,7 @@
 
 #include "apps/view/clean_task.hpp"
 #include "apps/view/hands.hpp"
-#include "apps/view/named_views.hpp"
+#include "apps/view/named_texts.hpp"
 #include "apps/view/viewer_parts.hpp"
 
 namespace palpate {
@@ -26,7 +26,7 @@ class CommandRunner {
   CleanTask& cleaning() { return clean_; }
   const CleanTask& cleaning() const { return clean_; }
 
-  const NamedViews& views() const { return views_; }
+  const NamedTexts& views() const { return views_; }
   /// What is wrong with the condition of the last selection; empty: nothing.
   const std::string& whereError() const { return whereError_; }
   void forgetWhereError() { whereError_.clear(); }
@@ -41,14 +41,16 @@ class CommandRunner {
   void carryOut(const SelectWhere& command);
   void carryOut(const SetColorRange& command);
   void carryOut(const NamedViewCommand& command);
+  void carryOut(const MeasureCommand& command);
   void copyPlaces();
   void exportMesh(const std::string& file);
   void savePicture();
+  void saveMeasures();
   void turnModel();
 
   ViewerParts parts_;
   Hands& hands_;
-  NamedViews views_;
+  NamedTexts views_{"views", "view"};
   CleanTask clean_;
   std::string whereError_;
   bool isClosing_ = false;

@@ -28,7 +28,8 @@ enum class WindowCommand {
   stopReading,
   closeErrors,
   switchForces,
-  forgetMeasure,
+  endMeasure,
+  saveMeasures,
   copyPlaces,
   resetView,
   turnModel,
@@ -119,6 +120,11 @@ struct NamedViewCommand {
   enum class What { remember, show, forget } what;
   std::string name;  ///< empty: view 1, view 2 and so on
 };
+/// Chooses a measured distance and looks at it, gives it another name, or removes it.
+struct MeasureCommand {
+  enum class What { show, rename, forget } what;
+  std::string name, to = {};
+};
 /// Sets a parameter of the simulation.
 struct SetParameter {
   std::string name;
@@ -172,7 +178,7 @@ struct CopyText {
 };
 
 using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, BrushCommand, SelectCommand, Answer,
-                                 FileCommand, BrowseCommand, ModelSide, LookAlong, WalkCommand, NamedViewCommand,
+                                 FileCommand, BrowseCommand, ModelSide, LookAlong, WalkCommand, NamedViewCommand, MeasureCommand,
                                  SetParameter, SetValue, SelectVolume, SetVolume, FlipPlane, MirrorAtPlane,
                                  MoveSelection, KeepSelection, SelectWhere, CleanModel, SetColorRange, SetTrueLength,
                                  DeviceCommand, ChooseDevice, SetDeviceAxes, TryExample, CopyText>;

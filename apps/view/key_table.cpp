@@ -276,7 +276,7 @@ std::vector<KeyRow> make() {
          kEither,
          kEither,
          {BrushCommand::cancelStroke, closesHelp, WindowCommand::stopReading, StylusCommand::putAway,
-          WindowCommand::closeErrors, WindowCommand::forgetMeasure}}}},
+          WindowCommand::closeErrors, WindowCommand::endMeasure}}}},
       {select,
        "Esc",
        "give the outline up;  stop reading;  close a list, an error or help",

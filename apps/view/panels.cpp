@@ -143,7 +143,7 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
     drawStatusLine(status);
   }
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
-  drawDistance(status);
+  for (const PictureLabel& label : status.measures) drawDistance(label);
   drawLabels(status.labels);
   drawOutline(status.outline);
   drawBrushHint(status.brush);

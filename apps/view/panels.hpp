@@ -15,7 +15,7 @@
 #include "apps/view/file_browser.hpp"
 #include "apps/view/gui.hpp"
 #include "apps/view/link_history.hpp"
-#include "apps/view/named_views.hpp"
+#include "apps/view/named_texts.hpp"
 #include "apps/view/place_info.hpp"
 #include "apps/view/select_tool.hpp"
 #include "apps/view/settings.hpp"
@@ -46,7 +46,7 @@ struct ViewStatus {
   std::span<const std::string> models, recent;
   std::span<const std::string> gone;           ///< recent models that no longer exist
   std::string model;                           ///< the open model
-  std::vector<NamedView> views;                ///< of it
+  std::vector<NamedText> views;                ///< of it
   std::string saveFile;                        ///< target of Save
   std::string changesQuestion;                 ///< empty: no question
   bool isChanged = false, mayBeSaved = false;  ///< Document::isChanged(), mayBeSaved()
@@ -74,9 +74,9 @@ struct ViewStatus {
   double picture_ms = 0;                 ///< time of a picture of the model
   std::optional<double> onTime_percent;  ///< ticks of the hand that were on time; empty: no hand is live
   std::optional<PlaceInfo> picked;       ///< the last picked position
-  std::optional<double> measured;        ///< distance of the two picked positions, units
+  const Measure* measure = nullptr;      ///< never null while a frame is drawn
   std::vector<PictureLabel> labels;      ///< of the guides
-  std::optional<DVec2> measuredAt_px;    ///< middle between them in the picture
+  std::vector<PictureLabel> measures;    ///< of the measured distances
   std::optional<Legend> legend;          ///< set where points are coloured by height or by a field
   const ColoredField* field = nullptr;   ///< that field
   std::vector<std::string> fields;       ///< names of all
@@ -216,6 +216,7 @@ class Panels {
   bool drawFilesButtons(const ViewStatus& status, bool chosen);
   void drawPlace(const PlaceInfo& info);
   void drawMeasure(const ViewStatus& status, ViewSettings& view);
+  void drawDistances(const ViewStatus& status);
   void drawSession(const ViewStatus& status);
   void drawLink();
   void drawPlots(const ViewStatus& status, ViewSettings& view);
@@ -225,7 +226,7 @@ class Panels {
   void drawMessages(const ViewStatus& status, const WindowSettings& settings);
   void drawErrors(const ViewStatus& status);
   void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit);
-  void drawDistance(const ViewStatus& status) const;
+  void drawDistance(const PictureLabel& label) const;
   void drawLabels(const std::vector<PictureLabel>& labels) const;
   void drawLegend(const Legend& legend);
   struct AnswerButton {
@@ -247,7 +248,7 @@ class Panels {
   Gui& gui_;
   ViewCommands commands_;  // posted in this frame
   std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{}, colorRange_{}, where_{}, selectionName_{},
-      volume_{}, way_{}, angles_{}, factor_{}, viewName_{};
+      volume_{}, way_{}, angles_{}, factor_{}, viewName_{}, distanceName_{};
   std::array<char, 128> searched_{};
   std::size_t found_ = 0;    // entry of the help that Enter carries out
   std::string_view opens_;   // section that is opened in this frame, and all others are closed; empty: none

@@ -178,19 +178,18 @@ void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) {
   corner_px_ = glm::min(corner_px_, DVec2(right - std::max(width, 0.5f * (width + size.x)), top));
 }
 
-// At the middle of the line between the two positions, moved if necessary so that no panel covers it.
-void Panels::drawDistance(const ViewStatus& status) const {
-  if (!status.measured || !status.measuredAt_px) return;
-  const std::string text = lengthText(*status.measured, status.unit);
+// Moved if necessary so that no panel covers it.
+void Panels::drawDistance(const PictureLabel& label) const {
+  const std::string& text = label.text;
   const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());
   const float padding = em(0.3);
   const auto within = [](double value, double least, double most) {
     return static_cast<float>(std::round(std::max(least, std::min(value, most))));
   };
-  const float x = within(status.measuredAt_px->x - 0.5 * double{size.x}, free_px_.x + double{padding},
+  const float x = within(label.at_px.x - 0.5 * double{size.x}, free_px_.x + double{padding},
                          free_px_.y - double{size.x + padding});
-  const float y =
-      within(status.measuredAt_px->y - 0.5 * double{size.y}, double{padding}, double{display.y - size.y - padding});
+  const float y = within(label.at_px.y - 0.5 * double{size.y}, double{padding},
+                         double{display.y - size.y - padding});
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.AddRectFilled({x - padding, y - padding}, {x + size.x + padding, y + size.y + padding},
                      ImGui::GetColorU32(ImGuiCol_WindowBg), padding);

@@ -103,14 +103,14 @@ void Panels::drawViews(const ViewStatus& status) {
   help("keeps what you see now under this name, for this model");
   if (status.views.size() > 1) {
     std::string lines;
-    for (const NamedView& view : status.views) lines += "# " + view.name + '\n' + view.camera + '\n';
+    for (const NamedText& view : status.views) lines += "# " + view.name + '\n' + view.text + '\n';
     post(button("Copy all views"), CopyText{lines});
     help("copies them as text; in a file, it is a way for a film: palpate render --camera-path FILE -o film.mp4");
   }
-  for (const NamedView& view : status.views) {
+  for (const NamedText& view : status.views) {
     ImGui::PushID(view.name.c_str());
     post(button(view.name.c_str(), em(6.5)), NamedViewCommand{NamedViewCommand::What::show, view.name});
-    help("shows this view again; on the command line: render --camera \"" + view.camera + "\"");
+    help("shows this view again; on the command line: render --camera \"" + view.text + "\"");
     ImGui::SameLine();
     post(button(("Forget " + view.name).c_str()), NamedViewCommand{NamedViewCommand::What::forget, view.name});
     ImGui::PopID();

@@ -26,13 +26,41 @@ void Panels::drawPlace(const PlaceInfo& info) {
     row("stiffness", info.stiffnessOf);
 }
 
+void Panels::drawDistances(const ViewStatus& status) {
+  using What = MeasureCommand::What;
+  for (const MeasuredDistance& distance : status.measure->distances()) {
+    ImGui::PushID(distance.name.c_str());
+    post(button(distance.name.c_str(), em(6.5)), MeasureCommand{What::show, distance.name});
+    help("chooses this distance, and looks at it");
+    ImGui::SameLine();
+    ImGui::TextUnformatted(lengthText(distance.length(), status.unit).c_str());
+    ImGui::PopID();
+  }
+  if (status.measure->distances().empty()) return;
+  post(button("Save CSV"), WindowCommand::saveMeasures);
+  help("writes all distances beside the model: names, coordinates of the file, lengths, heights");
+}
+
 void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view) {
   if (view.measures) ImGui::SetNextItemOpen(true);
   if (!header("Measure")) return;
   checkbox("pick two positions", view.measures);
   help("D: the left button picks positions on the model; rotate the view beside the model, or with another button");
-  if (status.measured) {
-    ImGui::TextUnformatted(lengthText(*status.measured, status.unit).c_str());
+  if (const MeasuredDistance* const distance = status.measure->chosen(); distance && status.session) {
+    const auto text = [&](double length) { return lengthText(length, status.unit); };
+    const UpAxis up = view.upOf(status.session->model());
+    ImGui::TextUnformatted((distance->name + ": " + text(distance->length())).c_str());
+    ImGui::SameLine();
+    post(button("Forget"), MeasureCommand{MeasureCommand::What::forget, distance->name});
+    ImGui::TextUnformatted(
+        fmt::format("height {}, across {}", text(distance->height(up)), text(distance->across(up))).c_str());
+    help("of the second position over the first, along the up axis, and the rest of the way");
+    const bool renamed = field("name", distanceName_);
+    ImGui::SameLine();
+    if ((button("Rename") || renamed) && distanceName_[0]) {
+      commands_.emplace_back(MeasureCommand{MeasureCommand::What::rename, distance->name, distanceName_.data()});
+      distanceName_[0] = 0;
+    }
     const bool entered = field("true length, mm", trueLength_);
     ImGui::SameLine();
     post((button("Set") || entered) && trueLength_[0], SetTrueLength{trueLength_.data()});
@@ -42,6 +70,7 @@ void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view) {
   } else {
     ImGui::TextDisabled(view.measures ? "click two positions on the model" : "nothing is measured");
   }
+  drawDistances(status);
   if (status.picked) {
     drawPlace(*status.picked);
     post(button("Copy"), WindowCommand::copyPlaces);

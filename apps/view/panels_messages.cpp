@@ -13,8 +13,9 @@ namespace palpate {
 namespace {
 
 std::string measureLine(const ViewStatus& status) {
-  if (!status.measured) return "measure: click two positions on the model (Esc ends it)";
-  return fmt::format("measured: {}", lengthText(*status.measured, status.unit));
+  const MeasuredDistance* const distance = status.measure->chosen();
+  if (!distance) return "measure: click two positions on the model (Esc ends it)";
+  return fmt::format("measured: {}", lengthText(distance->length(), status.unit));
 }
 
 std::string hintFor(const WindowSettings& settings) {

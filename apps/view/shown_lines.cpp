@@ -18,17 +18,19 @@ constexpr double kStylusWidth_px = 3;
 constexpr double kOnlooker = 0.08;           // length of the pyramid of another participant's camera, in longest sides
 constexpr std::size_t kLongestWay = 20'000;  // positions; beyond that the older half is removed
 
-void addMeasure(std::vector<SpaceLine>& lines, std::span<const PickedPosition> picked, double longestSide) {
+void addMeasure(std::vector<SpaceLine>& lines, const Measure& measure, bool measures,
+                double longestSide) {
   const auto add = [&](const DVec3& from, const DVec3& to) {
     lines.push_back({.from = from, .to = to, .color = kMeasureColor, .width_px = kMeasureWidth_px});
   };
-  for (const auto& [place, resolution] : picked)
+  for (const auto& [place, resolution] : measure.picked())
     for (int axis = 0; axis < 3; ++axis) {
       DVec3 half(0);
       half[axis] = kMark * longestSide;
       add(place - half, place + half);
     }
-  if (picked.size() == 2) add(picked[0].place, picked[1].place);
+  for (const MeasuredDistance& distance : measure.shown(measures))
+    add(distance.ends[0].place, distance.ends[1].place);
 }
 
 // A square around the middle of the model, with its middle lines.
@@ -104,6 +106,7 @@ void ShownLines::follow(const WindowSession& session, const ViewSettings& view, 
   MadeOf madeOf{.cameras = view.cameras,
                 .frame = played_ ? std::optional(played_->number) : std::nullopt,
                 .measure = measure.version(),
+                .measures = view.measures,
                 .symmetry = session.config().brush ? session.config().brush->symmetry : std::string(),
                 .others = {},
                 .onlookers = {}};
@@ -118,7 +121,7 @@ void ShownLines::follow(const WindowSession& session, const ViewSettings& view, 
   if (session.config().brush)
     if (const auto plane = symmetryOf(*session.config().brush, session.model()))
       addMirror(*lines, *plane, session.model());
-  addMeasure(*lines, measure.picked(), session.longestSide());
+  addMeasure(*lines, measure, view.measures, session.longestSide());
   const DVec3 up = directionOf(view.upOf(session.model()));
   for (const SeenHand& hand : others) addHand(*lines, hand, session.model().cloud.origin, up, session.longestSide());
   for (const SeenCamera& camera : onlookers)

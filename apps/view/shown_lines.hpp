@@ -29,6 +29,7 @@ class ShownLines {
     bool cameras = false;
     std::optional<std::uint64_t> frame;  // of a depth camera
     std::uint64_t measure = 0;
+    bool measures = false;
     std::string symmetry;
     std::vector<HandPlace> others;
     std::vector<CameraPlace> onlookers;

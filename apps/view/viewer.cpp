@@ -202,11 +202,11 @@ void Viewer::welcome() {
   hands_.events().forgetSeen();
   panels_.closeFiles();  // the dialogue belonged to the model before
   commands_.forgetWhereError();
-  hands_.measure().belongTo(session.file());
-  if (const auto distance = hands_.measure().distance())
-    messages_.say(fmt::format("touch scale: the measured distance, {}, is {:.6g} mm long in the hand",
-                              lengthText(*distance, settings_.view.unitOf(session.model())),
-                              session.model().scale.toMm(*distance)));
+  hands_.measure().belongTo(session.file(), session.model().cloud.origin);
+  if (const MeasuredDistance* const distance = hands_.measure().chosen())
+    messages_.say(fmt::format("touch scale: {}, {}, is {:.6g} mm long in the hand", distance->name,
+                              lengthText(distance->length(), settings_.view.unitOf(session.model())),
+                              session.model().scale.toMm(distance->length())));
 }
 
 // Follows a change of the document's file, e.g. after it is saved under another name.

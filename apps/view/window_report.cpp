@@ -62,7 +62,7 @@ ViewStatus WindowReport::status() {
   status.models = parts_.document.offered();
   status.recent = parts_.document.recent().files();
   status.gone = parts_.document.recent().gone();
-  status.measured = hands_.measure().distance();
+  status.measure = &hands_.measure();
   findPlaceInfo();
   status.picked = picked_.info;
   if (session) {
@@ -85,7 +85,8 @@ ViewStatus WindowReport::status() {
     status.lengths = view.shownLength(*session);
     if (view.scaleBar && parts_.screen.size_px().x > 0) status.scaleBar = scaleOfPicture();
     status.selection = selection_.of(*session);
-    status.measuredAt_px = hands_.measure().middle_px(parts_.viewpoint.camera(), parts_.screen.size_px());
+    status.measures = hands_.measure().labelsIn(parts_.viewpoint.camera(), parts_.screen.size_px(), status.unit,
+                                                view.measures);
     status.labels = parts_.shown.guides().labelsIn(parts_.viewpoint.camera(), parts_.screen.size_px());
     status.legend = parts_.shown.legend(*session, view);
     status.field = parts_.shown.field();
@@ -170,7 +171,7 @@ void WindowReport::writeState(const std::string& file) {
       .pictures = pace_.count(),
       .picturesOfModel = parts_.shown.picture().made(),
       .camerasShown = parts_.shown.lines().cameras(),
-      .measured = hands_.measure().distance(),
+      .measure = hands_.measure(),
       .picked = picked_.info,
       .pickedDepth = parts_.shown.picture().picked().depth,
       .held = parts_.held};

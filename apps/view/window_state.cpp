@@ -176,8 +176,17 @@ constexpr Reported<WindowState> kWindow[]{
     {"pictures_of_model", "", "of them, pictures for which the model was drawn again",
      field<&WindowState::picturesOfModel>},
     {"cameras_shown", "", "cameras drawn in the picture", field<&WindowState::camerasShown>},
-    {"measured", "model units", "measured distance; null: none",
-     [](const WindowState& w) -> Value { return w.session() ? orNull(w.measured) : Json(nullptr); }},
+    {"measured", "model units", "the chosen distance; null: none",
+     [](const WindowState& w) -> Value {
+       const MeasuredDistance* const distance = w.session() ? w.measure.chosen() : nullptr;
+       return distance ? Json(distance->length()) : Json(nullptr);
+     }},
+    {"distances", "model units", "measured distances of the model, by name",
+     [](const WindowState& w) -> Value {
+       Json distances = Json::object();
+       for (const MeasuredDistance& distance : w.measure.distances()) distances[distance.name] = distance.length();
+       return distances;
+     }},
     {"picked", "", "the last picked position; null: none",
      [](const WindowState& w) -> Value { return orNull(partBy(kPicked, w.picked)); }},
     {"picked_depth", "model units", "depth of the model under the cursor; 0: none", field<&WindowState::pickedDepth>},

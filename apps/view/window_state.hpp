@@ -41,7 +41,7 @@ struct WindowState {
   std::uint64_t pictures = 0;  ///< frames of the window
   std::uint64_t picturesOfModel = 0;
   std::size_t camerasShown = 0;
-  std::optional<double> measured;  ///< distance of the two picked positions, model units
+  const Measure& measure;
   std::optional<PlaceInfo> picked;
   double pickedDepth = 0;
   const HeldDevice& held;

@@ -1,6 +1,9 @@
 // Size of a model from two positions and the length between them: in the window, and on the command line.
 #include <cmath>
+#include <fstream>
 
+#include "engine/io/cloud_formats.hpp"
+#include "engine/render/camera.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
@@ -71,6 +74,96 @@ TEST_CASE("two picked positions give a distance, a true length gives the scale, 
   const auto reopened = played->state("reopened.json");
   CHECK(reopened["mm_per_unit"].get<double>() == near(scaled["mm_per_unit"].get<double>(), 1e-6));
   CHECK(reopened["measured"] == two["measured"]);  // the saved file is the model from then on
+}
+
+namespace {
+
+// A kerb of 120 mm between road and pavement, on a grid of a millimetre, far from zero; the road is in front.
+constexpr DVec3 kFar(637000, 849000, 90);
+constexpr double kKerb = 0.12;
+PointCloud kerb() {
+  PointCloud cloud;
+  cloud.origin = kFar;
+  const auto add = [&](double x, double y, double z) {
+    const DVec3 exact = glm::round(1000.0 * (kFar + DVec3(x, y, z))) / 1000.0;
+    cloud.exactPositions.push_back(exact);
+    cloud.positions.emplace_back(exact - cloud.origin);
+  };
+  for (int i = -40; i <= 40; ++i) {
+    for (int j = 1; j <= 24; ++j) {
+      add(0.02 * i, -0.02 * j, 0);
+      add(0.02 * i, 0.02 * j, kKerb);
+    }
+    for (int k = 0; k <= 6; ++k) add(0.02 * i, 0, 0.02 * k);
+  }
+  cloud.storedAs.position = ScalarType::f64;
+  cloud.storedAs.grid = CoordinateGrid{.step = DVec3(0.001), .offset = kFar};
+  return cloud;
+}
+
+std::vector<std::string> linesOf(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+}  // namespace
+
+TEST_CASE("journey 1: a kerb is measured in millimetres, with full coordinates, kept by name, and written as CSV") {
+  if (!hasDisplay()) return;
+  const auto prepare = [](const std::filesystem::path& folder) { writeCloud(folder / "kerb.las", kerb()); };
+  const std::string options = "%/kerb.las --size 600x480 --rate 250 --backend cpu --up z --unit m";
+  const auto seen = playWell(options, prepare, "0.1 key tab\n0.3 state %/seen.json\n0.4 quit\n");
+  const auto vec = [](const Result& v) { return DVec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>()); };
+  const Result camera = seen->state("seen.json")["camera"];
+  const Camera eye{.eye = vec(camera["eye"]), .target = vec(camera["target"]), .up = vec(camera["up"])};
+  std::string clicks;
+  double time_s = 0.3;
+  for (const DVec3& place : {DVec3(0, 0, 0), DVec3(0, 0, kKerb), DVec3(-0.3, 0, kKerb), DVec3(0.3, 0, kKerb)}) {
+    const auto at = eye.project(place, DVec2(600, 480));
+    REQUIRE(at);
+    clicks += fmt::format("{0:.1f} mouse {1:.1f} {2:.1f}\n{3:.1f} button left down\n{3:.1f} button left up\n", time_s,
+                          at->x, at->y, time_s + 0.2);
+    time_s += 0.4;
+  }
+  const auto played = playWell(options, prepare, "0.1 key tab\n0.2 key d\n" + clicks + R"(
+2.0 key p
+2.3 key tab
+2.5 click distance 1
+2.6 state %/chosen.json
+2.7 click name
+2.8 text kerb, left "A"
+2.9 click Rename
+3.1 state %/named.json
+3.2 click Save CSV
+3.4 key escape
+3.5 state %/ended.json
+3.6 drop %/kerb.las
+4.2 click Save CSV
+4.4 click distance 2
+4.6 click Forget
+4.8 state %/reopened.json
+4.9 quit
+)");
+  const std::filesystem::path folder = played->folder.path();
+  const auto chosen = played->state("chosen.json"), named = played->state("named.json"),
+             ended = played->state("ended.json"), reopened = played->state("reopened.json");
+  CHECK(chosen["measured"].get<double>() == within(kKerb, 1e-6));
+  CHECK(chosen["distances"]["distance 2"].get<double>() == within(0.6, 1e-6));
+  CHECK(named["distances"].contains("kerb, left \"A\""));
+  CHECK_FALSE(named["distances"].contains("distance 1"));
+  CHECK(ended["measured"].is_null());
+  CHECK(ended["distances"] == named["distances"]);  // they are not lost when measuring ends
+  CHECK(reopened["distances"].size() == 1);
+  const auto table = linesOf(folder / "kerb-distances-1.csv");
+  REQUIRE(table.size() == 3);
+  CHECK(table[0] ==
+        "name,from_x,from_y,from_z,to_x,to_y,to_z,length,height,across,unit,length_mm,height_mm,across_mm");
+  CHECK(table[1] ==
+        "\"kerb, left \"\"A\"\"\",637000,849000,90,637000,849000,90.12,0.12,0.12,0,m,120,120,0");
+  CHECK(table[2] == "distance 2,636999.7,849000,90.12,637000.3,849000,90.12,0.6,0,0.6,m,600,0,600");
+  CHECK(linesOf(folder / "kerb-distances-2.csv") == table);  // of the model that was opened again
 }
 
 TEST_CASE("a picked position is a point of the cloud within 5 pixels, else it is rounded to the size of a pixel") {
