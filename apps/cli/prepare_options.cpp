@@ -1,5 +1,7 @@
 #include "apps/cli/prepare_options.hpp"
 
+#include <filesystem>
+
 #include "apps/cli/parse_list.hpp"
 #include "apps/cli/setting_options.hpp"
 #include "engine/select/prepared_cloud.hpp"
@@ -43,8 +45,12 @@ std::optional<Preparation> PrepareOptions::given() const {
 }
 
 void joinOutliers(std::vector<std::string>& arguments) {
+  // Also those that given() refuses, unless there is such a file.
   const auto isNumbers = [](const std::string& word) {
-    return !word.empty() && word.find_first_not_of("0123456789.,-") == word.npos;
+    if (word.empty()) return false;
+    if (word.find_first_not_of("0123456789.,-") == word.npos) return true;
+    const bool begins = word[0] >= '0' && word[0] <= '9' && word.find(',') != word.npos;
+    return begins && !std::filesystem::exists(word);
   };
   for (std::size_t i = 0; i + 1 < arguments.size(); ++i) {
     if (arguments[i] != settingNamed<Preparation>("outlier_neighbours").flag || !isNumbers(arguments[i + 1])) continue;

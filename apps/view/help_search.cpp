@@ -1,7 +1,9 @@
 #include "apps/view/help_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <utility>
 
 #include "haptics/session/settings.hpp"
 
@@ -49,6 +51,14 @@ void addSettings(std::vector<HelpEntry>& entries, std::string_view section) {
           {fmt::format("{}: {}", section, setting.flag.substr(2)), std::string(setting.help), {}, {}, section});
 }
 
+constexpr std::array<std::pair<const char*, const char*>, 6> kLook{
+    {{"Look: theme", "dark or light panels"},
+     {"Look: text size", "size of the panels and their text"},
+     {"Look: guides", "box with lengths, axes with coordinates, grid on the ground, compass"},
+     {"Look: views", "sides of the model, and views that you give a name"},
+     {"Look: unit", "unit of the file's lengths, and the up axis"},
+     {"Look: triangles", "the surface as triangles, and their export as a mesh"}}};
+
 }  // namespace
 
 std::span<const SelectButton> selectButtons() {
@@ -90,6 +100,7 @@ std::vector<HelpEntry> helpFor(WindowTool tool, std::string_view words) {
   addSettings<SurfaceConfig>(entries, "Feel");
   addSettings<ForceOptions>(entries, "Feel");
   addSettings<LightConfig>(entries, "Look");
+  for (const auto& [keys, effect] : kLook) entries.push_back({keys, effect, {}, {}, "Look"});
   std::erase_if(entries, [&](const HelpEntry& entry) {
     const std::string text = lowered(entry.keys + " " + entry.effect);
     return std::ranges::any_of(wanted, [&](const std::string& word) { return text.find(word) == text.npos; });

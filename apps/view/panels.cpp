@@ -62,7 +62,15 @@ bool Panels::checkbox(const char* name, bool& on) { return noted(name, ImGui::Ch
 
 bool Panels::header(const char* name, bool open) {
   if (!opens_.empty()) ImGui::SetNextItemOpen(opens_ == name);
-  return noted(name, ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0));
+  const bool isOpen = noted(name, ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0));
+  if (opens_ == name) ImGui::SetScrollHereY(0);
+  const auto section = std::ranges::find(kSections, name);
+  if (section == kSections.end()) return isOpen;
+  const std::string key = fmt::format("F{}", section - kSections.begin() + 2);
+  const ImVec2 end = ImGui::GetItemRectMax(), size = ImGui::CalcTextSize(key.c_str());
+  const ImVec2 at{std::round(end.x - size.x - em(0.4)), std::round(end.y - size.y - ImGui::GetStyle().FramePadding.y)};
+  ImGui::GetWindowDrawList()->AddText(at, ImGui::GetColorU32(ink(Tone::faint)), key.c_str());
+  return isOpen;
 }
 
 bool Panels::drag(const char* name, double& value, float speed, const Range& range, const char* format) {

@@ -29,7 +29,9 @@ constexpr std::array<std::pair<const char*, NormalSource>, 3> kNormals{
 void Panels::drawClean(const ViewStatus& status, CleanSettings& clean) {
   if (!header("Clean")) return;
   const ImGuiIO& io = ImGui::GetIO();
-  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  for (const CleanRow& row : kSelecting)
+    width = std::max(width, ImGui::CalcTextSize(row.button).x + 2 * ImGui::GetStyle().FramePadding.x);
   const auto draw = [&](const CleanRow& row, const std::string& effect) {
     CleanModel command{.step = {}, .adds = io.KeyShift, .removes = io.KeyCtrl};
     if (button(row.button, width)) {
@@ -52,8 +54,7 @@ void Panels::drawClean(const ViewStatus& status, CleanSettings& clean) {
   for (const CleanRow& row : kChanging) draw(row, "");
   ImGui::TextUnformatted("normals");
   for (std::size_t k = 0; k < kNormals.size(); ++k) {
-    if (k > 0) ImGui::SameLine();
-    post(button(kNormals[k].first, width), CleanModel{.step = {}, .normals = kNormals[k].second});
+    post(flowing(kNormals[k].first, k == 0), CleanModel{.step = {}, .normals = kNormals[k].second});
     help("of the selected points, or of all if none is selected");
   }
   ImGui::EndDisabled();

@@ -47,7 +47,7 @@ constexpr Setting<Preparation> kPreparation[]{
      "deviations above the mean of all points (default: 8,1)",
      "",
      {.min = 1, .max = bounds::kMaxNeighbours, .orZero = true}},
-    {"outlier_sigma", &Preparation::outlierSigma, "", "standard deviations of --outliers", "", {-100, 100}},
+    {"outlier_sigma", &Preparation::outlierSigma, "", "standard deviations of --outliers", "", {0, 100}},
     {"radius_neighbours",
      &Preparation::radiusNeighbours,
      "--radius-outliers",
