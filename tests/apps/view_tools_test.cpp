@@ -155,24 +155,28 @@ TEST_CASE("the start screen shows ten last files as pictures, and opens the last
   if (!hasDisplay()) return;
   constexpr int kFiles = 10;
   std::string script;
-  for (int k = 1; k < kFiles; ++k) script += fmt::format("{:.1f} drop %/{}.ply\n", 0.4 * k, k);
+  for (int k = 1; k < kFiles; ++k) script += fmt::format("{:.1f} drop %/{}.xyz\n", 0.4 * k, k);
   const auto played = playWell(
-      "%/0.ply --size 600x480 --backend cpu",
+      "%/0.xyz --size 900x600 --backend cpu --up y",
       [](const std::filesystem::path& folder) {
-        makeSphere(folder, 1000);
-        for (int k = 0; k < kFiles; ++k)
-          std::filesystem::copy_file(folder / "sphere.ply", folder / fmt::format("{}.ply", k));
+        std::ofstream sheet(folder / "0.xyz");  // whose picture is of many colours
+        sheet << "x y z red green blue\n";
+        for (int i = 0; i < 160 * 120; ++i)
+          sheet << fmt::format("{} {} 0 {} {} {}\n", i % 160, i / 160, 60 + i * 7919 % 190, i * 104729 % 50, i % 60);
+        sheet.close();
+        for (int k = 1; k < kFiles; ++k)
+          std::filesystem::copy_file(folder / "0.xyz", folder / fmt::format("{}.xyz", k));
       },
       script + fmt::format("{:.1f} quit\n", 0.4 * kFiles));
   const auto& folder = played->folder.path();
   CHECK(std::distance(std::filesystem::directory_iterator(folder / "state" / "palpate" / "pictures"), {}) == kFiles);
   std::ofstream(folder / "again.txt") << inFolder(
-      "0.3 screenshot %/start.png\n0.4 click 0.ply\n0.9 state %/again.json\n1.0 quit\n", folder);
+      "0.3 screenshot %/start.png\n0.4 click 0.xyz\n0.9 state %/again.json\n1.0 quit\n", folder);
   const Outcome again =
       run(inFolder("cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 1600x1000x24' ", folder) + program() +
           inFolder(" --quiet view --size 900x600 --backend cpu --script %/again.txt", folder));
   CHECK_MESSAGE(again.code == 0, again.text);
-  CHECK(played->state("again.json")["model"] == (folder / "0.ply").string());
+  CHECK(played->state("again.json")["model"] == (folder / "0.xyz").string());
   const auto [left, right] = brownColumns(Picture(folder / "start.png"));
   CHECK(right - left > 300);  // several in a row
 }
