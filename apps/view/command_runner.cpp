@@ -187,8 +187,8 @@ void CommandRunner::saveMeasures() {
   const ViewSettings& view = parts_.settings.view;
   const std::string file = parts_.document.freeName("-distances", "csv");
   AtomicFile out(file);
-  out.write(hands_.measure().csv(resolutionOf(session.bounds()), view.unitOf(session.model()),
-                                 view.upOf(session.model())));
+  out.write(
+      hands_.measure().csv(resolutionOf(session.bounds()), view.unitOf(session.model()), view.upOf(session.model())));
   out.commit();
   parts_.messages.say("distances written to " + file);
 }

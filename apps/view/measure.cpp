@@ -44,9 +44,7 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
-double MeasuredDistance::height(UpAxis up) const {
-  return glm::dot(ends[1].place - ends[0].place, directionOf(up));
-}
+double MeasuredDistance::height(UpAxis up) const { return glm::dot(ends[1].place - ends[0].place, directionOf(up)); }
 
 double MeasuredDistance::across(UpAxis up) const {
   const DVec3 way = ends[1].place - ends[0].place;
@@ -137,7 +135,8 @@ std::vector<PictureLabel> Measure::labelsIn(const Camera& camera, const UVec2& s
 }
 
 std::string Measure::csv(double resolution, LengthUnit unit, UpAxis up) const {
-  std::string table = "name,from_x,from_y,from_z,to_x,to_y,to_z,length,height,across,unit,length_mm,height_mm,across_mm\n";
+  std::string table =
+      "name,from_x,from_y,from_z,to_x,to_y,to_z,length,height,across,unit,length_mm,height_mm,across_mm\n";
   const std::optional<double> mm = mmIn(unit);
   for (const MeasuredDistance& distance : distances_) {
     double coarser = resolution;

@@ -22,9 +22,7 @@ bool fitsLine(const std::string& text) { return text.find_first_of("\t\r\n") == 
 
 }  // namespace
 
-NamedTexts::NamedTexts(const char* file, std::string kind) : store_(stateFile(file)), kind_(std::move(kind)) {
-  load();
-}
+NamedTexts::NamedTexts(const char* file, std::string kind) : store_(stateFile(file)), kind_(std::move(kind)) { load(); }
 
 std::vector<NamedText> NamedTexts::of(const std::string& model) const {
   const std::string key = keyOf(model);

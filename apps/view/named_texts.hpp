@@ -11,9 +11,9 @@ struct NamedText {
   std::string name, text;
 };
 
-/// The named texts of models, of one kind: kept in a file of $XDG_STATE_HOME/palpate (or as RecentFiles), one per line:
-/// model, name and text with tabs between them. If that file cannot be read or written, or a model cannot be found again
-/// by name, its texts last as long as the program.
+/// The named texts of models, of one kind: kept in a file of $XDG_STATE_HOME/palpate (or as RecentFiles), one per
+/// line: model, name and text with tabs between them. If that file cannot be read or written, or a model cannot be
+/// found again by name, its texts last as long as the program.
 class NamedTexts {
  public:
   static constexpr std::size_t kMax = 1000;  ///< of all models; the oldest are forgotten

@@ -186,10 +186,9 @@ void Panels::drawDistance(const PictureLabel& label) const {
   const auto within = [](double value, double least, double most) {
     return static_cast<float>(std::round(std::max(least, std::min(value, most))));
   };
-  const float x = within(label.at_px.x - 0.5 * double{size.x}, free_px_.x + double{padding},
-                         free_px_.y - double{size.x + padding});
-  const float y = within(label.at_px.y - 0.5 * double{size.y}, double{padding},
-                         double{display.y - size.y - padding});
+  const float x =
+      within(label.at_px.x - 0.5 * double{size.x}, free_px_.x + double{padding}, free_px_.y - double{size.x + padding});
+  const float y = within(label.at_px.y - 0.5 * double{size.y}, double{padding}, double{display.y - size.y - padding});
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.AddRectFilled({x - padding, y - padding}, {x + size.x + padding, y + size.y + padding},
                      ImGui::GetColorU32(ImGuiCol_WindowBg), padding);

@@ -18,8 +18,7 @@ constexpr double kStylusWidth_px = 3;
 constexpr double kOnlooker = 0.08;           // length of the pyramid of another participant's camera, in longest sides
 constexpr std::size_t kLongestWay = 20'000;  // positions; beyond that the older half is removed
 
-void addMeasure(std::vector<SpaceLine>& lines, const Measure& measure, bool measures,
-                double longestSide) {
+void addMeasure(std::vector<SpaceLine>& lines, const Measure& measure, bool measures, double longestSide) {
   const auto add = [&](const DVec3& from, const DVec3& to) {
     lines.push_back({.from = from, .to = to, .color = kMeasureColor, .width_px = kMeasureWidth_px});
   };
@@ -29,8 +28,7 @@ void addMeasure(std::vector<SpaceLine>& lines, const Measure& measure, bool meas
       half[axis] = kMark * longestSide;
       add(place - half, place + half);
     }
-  for (const MeasuredDistance& distance : measure.shown(measures))
-    add(distance.ends[0].place, distance.ends[1].place);
+  for (const MeasuredDistance& distance : measure.shown(measures)) add(distance.ends[0].place, distance.ends[1].place);
 }
 
 // A square around the middle of the model, with its middle lines.

@@ -103,7 +103,8 @@ Image ShownModel::picture(WindowSession& session, Camera camera, const ViewSetti
   const LengthUnit unit = view.unitOf(session.model());
   Annotations annotations{.legend = legend(session, view), .labels = guides_.guides().labelsIn(camera, size_px)};
   if (view.scaleBar) annotations.scale = lengthText(scaleBarLength(camera, size), unit);
-  for (PictureLabel& label : measure.labelsIn(camera, size_px, unit, view.measures)) annotations.labels.push_back(std::move(label));
+  for (PictureLabel& label : measure.labelsIn(camera, size_px, unit, view.measures))
+    annotations.labels.push_back(std::move(label));
   annotate(image, annotations);
   return image;
 }

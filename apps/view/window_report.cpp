@@ -85,8 +85,8 @@ ViewStatus WindowReport::status() {
     status.lengths = view.shownLength(*session);
     if (view.scaleBar && parts_.screen.size_px().x > 0) status.scaleBar = scaleOfPicture();
     status.selection = selection_.of(*session);
-    status.measures = hands_.measure().labelsIn(parts_.viewpoint.camera(), parts_.screen.size_px(), status.unit,
-                                                view.measures);
+    status.measures =
+        hands_.measure().labelsIn(parts_.viewpoint.camera(), parts_.screen.size_px(), status.unit, view.measures);
     status.labels = parts_.shown.guides().labelsIn(parts_.viewpoint.camera(), parts_.screen.size_px());
     status.legend = parts_.shown.legend(*session, view);
     status.field = parts_.shown.field();

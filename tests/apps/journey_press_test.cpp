@@ -60,10 +60,9 @@ struct Silhouette {
 
 }  // namespace
 
-TEST_CASE("journey 4: the skin of a CT stands upright, is pressed in true millimetres, and its depth and force are kept") {
+TEST_CASE("journey 4: the skin of a CT stands upright and is pressed in true millimetres; depth and force are kept") {
   if (!hasDisplay()) return;
-  const auto played = playWell("%/skin.ply --size 900x600 --rate 500 --backend cpu --mm-per-unit 1",
-                               prepare, R"(
+  const auto played = playWell("%/skin.ply --size 900x600 --rate 500 --backend cpu --mm-per-unit 1", prepare, R"(
 0.2 key c
 0.3 state %/open.json
 0.4 mouse 347 260

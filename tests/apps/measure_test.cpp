@@ -158,10 +158,8 @@ TEST_CASE("journey 1: a kerb is measured in millimetres, with full coordinates, 
   CHECK(reopened["distances"].size() == 1);
   const auto table = linesOf(folder / "kerb-distances-1.csv");
   REQUIRE(table.size() == 3);
-  CHECK(table[0] ==
-        "name,from_x,from_y,from_z,to_x,to_y,to_z,length,height,across,unit,length_mm,height_mm,across_mm");
-  CHECK(table[1] ==
-        "\"kerb, left \"\"A\"\"\",637000,849000,90,637000,849000,90.12,0.12,0.12,0,m,120,120,0");
+  CHECK(table[0] == "name,from_x,from_y,from_z,to_x,to_y,to_z,length,height,across,unit,length_mm,height_mm,across_mm");
+  CHECK(table[1] == "\"kerb, left \"\"A\"\"\",637000,849000,90,637000,849000,90.12,0.12,0.12,0,m,120,120,0");
   CHECK(table[2] == "distance 2,636999.7,849000,90.12,637000.3,849000,90.12,0.6,0,0.6,m,600,0,600");
   CHECK(linesOf(folder / "kerb-distances-2.csv") == table);  // of the model that was opened again
 }
