@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "engine/cloud/eigen3.hpp"
+#include "engine/cloud/eigen3_many.hpp"
 #include "engine/cloud/point_tree.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/parallel.hpp"
@@ -35,6 +35,7 @@ constexpr double kOwnFlatness = 0.06, kOwnFlatnessOfNoise = 0.5;
 constexpr double kOwnHeight = 0.08, kOwnHeightOfNoise = 3;
 constexpr double kSameFace = 0.9;  // minimum cosine between normals of one face
 constexpr double kMinWeight = 1e-6;
+constexpr std::size_t kTogether = 256;   // points whose spreads are solved at once
 constexpr std::size_t kAroundEdge = 50;  // points, four spacings wide
 
 struct PlaneFit {
@@ -44,16 +45,20 @@ struct PlaneFit {
 
 double wendland(double r) { return r < 1 ? std::pow(1 - r, 4) * (4 * r + 1) : 0; }
 
-/// The plane of the points `around`, relative to the near `center`.
-PlaneFit fitPlane(std::span<const Vec3> points, std::span<const std::uint32_t> around, const Vec3& center) {
+/// The spread of the points `around`, relative to the near `center`.
+SymmetricMatrix3 spreadOf(std::span<const Vec3> points, std::span<const std::uint32_t> around, const Vec3& center) {
   DVec3 mean(0);
   for (const std::uint32_t j : around) mean += DVec3(points[j]) - DVec3(center);
   const auto count = static_cast<double>(around.size());
   mean /= count;
   SymmetricMatrix3 covariance;
   for (const std::uint32_t j : around) covariance.addSquare(DVec3(points[j]) - DVec3(center) - mean);
-  const Eigen3 eigen = eigenSymmetric(covariance);
-  return {Vec3(eigen.vectors[0]), eigen.values[0] / count, eigen.values[1] / count};
+  return covariance;
+}
+
+PlaneFit planeOf(const Eigen3& spread, std::size_t points) {
+  const auto count = static_cast<double>(points);
+  return {Vec3(spread.vectors[0]), spread.values[0] / count, spread.values[1] / count};
 }
 
 void fitPlanes(const PointTree& tree, std::span<const Vec3> points, std::span<const std::uint32_t> which,
@@ -63,21 +68,39 @@ void fitPlanes(const PointTree& tree, std::span<const Vec3> points, std::span<co
   parallelFor(which.size(), threads, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> around(many);
     std::vector<double> squaredDistances(many);
-    const auto fit = [&](std::uint32_t i, std::size_t count) {
+    ManyEigen3 spreads, wideSpreads;
+    std::vector<std::uint32_t> noisy;
+    const auto spread = [&](std::uint32_t i, std::size_t count) {
       const std::size_t found = tree.nearest(points[i], {around.data(), count}, {squaredDistances.data(), count});
       PALPATE_CHECK_EQ(found, count);
-      return fitPlane(points, {around.data(), count}, points[i]);
+      return spreadOf(points, {around.data(), count}, points[i]);
     };
-    for (std::size_t n = begin; n < end; ++n) {
-      const std::uint32_t i = which[n];
-      PlaneFit best = fit(i, few);
-      const double spacing = std::sqrt(std::numbers::pi * squaredDistances[few - 1] / static_cast<double>(few));
-      const auto edges = graph.of(i);
-      std::ranges::fill(edges, NeighbourGraph::kNobody);
-      std::copy_n(around.begin(), std::min(few, edges.size()), edges.begin());
-      if (best.off > kClean * best.along)
-        if (const PlaneFit wide = fit(i, many); wide.off * best.along < kFlatter * best.off * wide.along) best = wide;
-      planes[i] = {best.normal, static_cast<float>(best.off), static_cast<float>(spacing)};
+    for (std::size_t first = begin; first < end; first += kTogether) {
+      const auto part = which.subspan(first, std::min(kTogether, end - first));
+      spreads.clear(), wideSpreads.clear(), noisy.clear();
+      for (const std::uint32_t i : part) {
+        spreads.add(spread(i, few));
+        const double spacing = std::sqrt(std::numbers::pi * squaredDistances[few - 1] / static_cast<double>(few));
+        planes[i].spacing = static_cast<float>(spacing);
+        const auto edges = graph.of(i);
+        std::ranges::fill(edges, NeighbourGraph::kNobody);
+        std::copy_n(around.begin(), std::min(few, edges.size()), edges.begin());
+      }
+      spreads.solve();
+      for (std::uint32_t n = 0; n < part.size(); ++n) {
+        const PlaneFit fit = planeOf(spreads[n], few);
+        planes[part[n]].normal = fit.normal, planes[part[n]].off = static_cast<float>(fit.off);
+        if (!(fit.off > kClean * fit.along)) continue;
+        noisy.push_back(n);
+        wideSpreads.add(spread(part[n], many));
+      }
+      wideSpreads.solve();
+      for (std::size_t k = 0; k < noisy.size(); ++k) {
+        const PlaneFit fit = planeOf(spreads[noisy[k]], few), wide = planeOf(wideSpreads[k], many);
+        if (!(wide.off * fit.along < kFlatter * fit.off * wide.along)) continue;
+        FittedPlane& plane = planes[part[noisy[k]]];
+        plane.normal = wide.normal, plane.off = static_cast<float>(wide.off);
+      }
     }
   });
 }
