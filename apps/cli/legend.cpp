@@ -96,7 +96,7 @@ class Letters {
 
 }  // namespace
 
-void drawLegend(Image& image, const Legend& legend) {
+void drawLegend(Image& image, const Legend& legend, LabelRoom& room) {
   const Letters letters(letterHeight_px(image));
   const double letter = letterHeight_px(image), height = static_cast<double>(image.height);
   const double line = kLine * letter;
@@ -120,6 +120,7 @@ void drawLegend(Image& image, const Legend& legend) {
   const int plateLeft = static_cast<int>(left - widest - letter), plateTop = static_cast<int>(top - 2.2 * letter);
   const int plateBottom = static_cast<int>(bottom + entries + (isRamp && entries > 0 ? 1.5 : 0.7) * letter);
   drawPlate(image, plateLeft, plateTop, static_cast<int>(right + 0.5 * letter) - plateLeft, plateBottom - plateTop);
+  room.reserve({plateLeft, plateTop}, {right + 0.5 * letter, plateBottom});
   fill(top, bottom, [&](int y) {
     const float share = (static_cast<float>(bottom - y) - 0.5f) / static_cast<float>(bottom - top);
     return shared::rampColor(static_cast<std::uint32_t>(legend.map), share);
@@ -141,20 +142,23 @@ void drawLegend(Image& image, const Legend& legend) {
                legend.heading);
 }
 
-void drawText(Image& image, const DVec2& at_px, const std::string& text) {
+void drawText(Image& image, const DVec2& at_px, const std::string& text, LabelRoom& room) {
   const double letter = letterHeight_px(image);
-  Letters(letter).draw(image, static_cast<int>(at_px.x), static_cast<int>(at_px.y - letter), text);
+  const Letters letters(letter);
+  letters.draw(image, static_cast<int>(at_px.x), static_cast<int>(at_px.y - letter), text);
+  room.reserve(at_px - DVec2(0, letter), at_px + DVec2(letters.widthOf(text), 0));
 }
 
-void drawLabel(Image& image, const DVec2& at_px, const std::string& text, bool plate) {
+void drawLabel(Image& image, const PictureLabel& label, LabelRoom& room) {
   const double letter = letterHeight_px(image), padding = std::round(0.3 * letter);
   const Letters letters(letter);
-  const DVec2 plate_px(std::ceil(letters.widthOf(text)) + 2 * padding, letter + 2 * padding);
+  const DVec2 plate_px(std::ceil(letters.widthOf(label.text)) + 2 * padding, letter + 2 * padding);
   const DVec2 room_px = glm::max(DVec2(0), DVec2(image.width, image.height) - plate_px);
-  const DVec2 corner_px = glm::clamp(glm::round(at_px - 0.5 * plate_px), DVec2(0), room_px);
+  const DVec2 corner_px = glm::clamp(glm::round(label.at_px - 0.5 * plate_px), DVec2(0), room_px);
+  if (!room.admits(label, corner_px, corner_px + plate_px)) return;
   const int x = static_cast<int>(corner_px.x), y = static_cast<int>(corner_px.y);
-  if (plate) drawPlate(image, x, y, static_cast<int>(plate_px.x), static_cast<int>(plate_px.y));
-  letters.draw(image, x + static_cast<int>(padding), y + static_cast<int>(padding), text);
+  drawPlate(image, x, y, static_cast<int>(plate_px.x), static_cast<int>(plate_px.y));
+  letters.draw(image, x + static_cast<int>(padding), y + static_cast<int>(padding), label.text);
 }
 
 }  // namespace palpate

@@ -59,13 +59,16 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model, boo
   return frame;
 }
 
+constexpr double kScaleShare = 0.2;  // largest length of the scale bar, of the picture's width
+constexpr double kScaleEnd = 0.01;   // height of its ends above and below it, of the picture's
+
 DVec2 scaleBarCorner(const PictureSize& size) { return {0.04 * size.width, 0.94 * size.height}; }
 
 }  // namespace
 
 double scaleBarLength(const Camera& camera, const PictureSize& size) {
   const double depth = glm::distance(camera.eye, camera.target);
-  return roundLength(0.2 * size.width * camera.divisorAt(depth) / camera.focal_px(size.height));
+  return roundLength(kScaleShare * size.width * camera.divisorAt(depth) / camera.focal_px(size.height));
 }
 
 Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size) {
@@ -77,10 +80,14 @@ Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size) {
 
 void annotate(Image& image, const Annotations& annotations) {
   const PictureSize size{image.width, image.height};
-  if (!annotations.scale.empty())
-    drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), annotations.scale);
-  if (annotations.legend) drawLegend(image, *annotations.legend);
-  for (const PictureLabel& label : annotations.labels) drawLabel(image, label.at_px, label.text, label.plate);
+  LabelRoom room;
+  if (!annotations.scale.empty()) {
+    const DVec2 corner_px = scaleBarCorner(size), end_px(0, kScaleEnd * size.height);
+    drawText(image, corner_px - DVec2(0, 0.015 * size.height), annotations.scale, room);
+    room.reserve(corner_px - end_px, corner_px + DVec2(kScaleShare * size.width, 0) + end_px);
+  }
+  if (annotations.legend) drawLegend(image, *annotations.legend, room);
+  for (const PictureLabel& label : annotations.labels) drawLabel(image, label, room);
 }
 
 void addPictureOptions(Options& command, PictureOptions& options) {

@@ -25,7 +25,7 @@ ModelPicture::ModelPicture(Device& sight)
     : sight_(sight), pick_(sight, kPicked * sizeof(float), Memory::readback, "picked depths") {}
 
 void ModelPicture::choosePace(bool still) {
-  constexpr double kSlow_ms = 90;
+  constexpr double kSlow_ms = 45;  // twenty pictures a second
   constexpr std::uint32_t kMaxShrunk = 2;
   if (still)
     shrink_ = 1;
@@ -42,14 +42,13 @@ void ModelPicture::fit(const UVec2& window_px, std::uint32_t supersample) {
   supersample_ = supersample;
 }
 
-bool ModelPicture::aim(const WindowSession& session, const ShownMesh& mesh, const Camera& camera,
+void ModelPicture::aim(const WindowSession& session, const ShownMesh& mesh, const Camera& camera,
                        const FrameOptions& options, const DVec2& cursor_px) {
   next_ = {camera,           options,
            session.edits(),  session.attributeChanges(),
            session.frames(), mesh.triangleCount() > 0 ? mesh.version() : 0};
   cursor_px_ = cursor_px;
   hasMoved_ = scene_ != next_;
-  return hasMoved_ || isStale_ || asked_.place_px != cursor_px;
 }
 
 void ModelPicture::record(CommandList& list, WindowSession& session, const ShownMesh& mesh) {

@@ -17,7 +17,7 @@ class ModelPicture {
  public:
   explicit ModelPicture(Device& sight);
 
-  /// Called before each frame. `still`: nothing moves, draw at full resolution; else lower it if the last was slow.
+  /// Called after aim(). `still`: nothing moves, draw at full resolution; else lower it if the last was slow.
   void choosePace(bool still);
   /// Sets the size for the window. `supersample`: see Frame.
   void fit(const UVec2& window_px, std::uint32_t supersample);
@@ -29,9 +29,8 @@ class ModelPicture {
     return made_ > 0 && frame_ && UVec2(frame_->width(), frame_->height()) == (window_px + (shrink_ - 1)) / shrink_;
   }
 
-  /// What the next picture shows, and the cursor: the triangles if there are any, else the discs. Returns whether it
-  /// differs from the last picture.
-  bool aim(const WindowSession& session, const ShownMesh& mesh, const Camera& camera, const FrameOptions& options,
+  /// What the next picture shows, and the cursor: the triangles if there are any, else the discs.
+  void aim(const WindowSession& session, const ShownMesh& mesh, const Camera& camera, const FrameOptions& options,
            const DVec2& cursor_px);
   /// Draws it, unless only the cursor differs.
   void record(CommandList& list, WindowSession& session, const ShownMesh& mesh);
@@ -48,6 +47,8 @@ class ModelPicture {
 
   /// Whether the next picture shows something else than the last one.
   bool hasMoved() const { return hasMoved_; }
+  /// The same, or it has another size, or another cursor.
+  bool differs() const { return hasMoved_ || isStale_ || asked_.place_px != cursor_px_; }
   /// Whether it was drawn in this frame.
   bool isNew() const { return isNew_; }
   /// Called after each frame, with its duration.

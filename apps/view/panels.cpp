@@ -152,11 +152,11 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   }
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
   for (const PictureLabel& label : status.measures) drawDistance(label);
-  drawLabels(status.labels);
   drawOutline(status.outline);
   drawBrushHint(status.brush);
   drawVolume(status.volume);
   if (status.legend) drawLegend(*status.legend);
+  drawLabels(status.labels);
   if (view.panels && view.plots && status.session) drawPlots(status, view);
   view.help ? drawHelp(settings) : drawMessages(status, settings);
   if (view.firstSteps) drawFirstSteps(view);

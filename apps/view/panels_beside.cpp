@@ -198,13 +198,15 @@ void Panels::drawDistance(const PictureLabel& label) const {
 void Panels::drawLabels(const std::vector<PictureLabel>& labels) const {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float padding = em(0.2);
+  LabelRoom room;
+  room.reserve(corner_px_ - double{em(0.6)}, {free_px_.y, double{bottom_px_}});  // legend and scale
   for (const PictureLabel& label : labels) {
     const ImVec2 size = ImGui::CalcTextSize(label.text.c_str());
     const float x = std::round(static_cast<float>(label.at_px.x) - 0.5f * size.x),
                 y = std::round(static_cast<float>(label.at_px.y) - 0.5f * size.y);
-    if (label.plate)
-      list.AddRectFilled({x - padding, y}, {x + size.x + padding, y + size.y},
-                         ImGui::GetColorU32(ImGuiCol_WindowBg, 0.75f), padding);
+    const ImVec2 low(x - padding, y), high(x + size.x + padding, y + size.y);
+    if (!room.admits(label, {low.x, low.y}, {high.x, high.y})) continue;
+    list.AddRectFilled(low, high, ImGui::GetColorU32(ImGuiCol_WindowBg, 0.75f), padding);
     list.AddText({x, y}, ImGui::GetColorU32(ImGuiCol_Text), label.text.c_str());
   }
 }

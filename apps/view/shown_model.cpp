@@ -84,11 +84,11 @@ void ShownModel::fit(const UVec2& window_px, const ViewSettings& view) {
   picture_.fit(window_px, view.smoothOutlines ? 2 : 1);
 }
 
-bool ShownModel::aim(const WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched,
+void ShownModel::aim(const WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched,
                      const UVec2& size_px, const DVec2& cursor_px) {
   FrameOptions options = frameOptions(session, view, field(), sight_.isCpu(), touched);
   options.lines = guides_.linesWith(lines_.lines(), camera, size_px);
-  return picture_.aim(session, mesh_, camera, options, cursor_px);
+  picture_.aim(session, mesh_, camera, options, cursor_px);
 }
 
 Image ShownModel::picture(WindowSession& session, Camera camera, const ViewSettings& view, bool touched,

@@ -23,15 +23,13 @@ class ShownModel {
 
   /// Reads the depth under the cursor in the last picture, once the GPU has finished it.
   void takePick();
-  /// Called before each frame with its time: lowers the resolution while drawing is slow and the picture changes,
-  /// unless `inFull`.
+  /// Sets what the next picture shows, and the cursor; `touched`: with the stylus; `size_px`: of the window.
+  void aim(const WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched,
+           const UVec2& size_px, const DVec2& cursor_px);
+  /// Called then with the time: lowers the resolution while drawing is slow and the picture changes, unless `inFull`.
   void choosePace(double clock_s, bool inFull);
   /// Sets the picture's size for the window.
   void fit(const UVec2& window_px, const ViewSettings& view);
-  /// Sets what the next picture shows, and the cursor; `touched`: with the stylus; `size_px`: of the window. Returns
-  /// whether it differs from the last picture.
-  bool aim(const WindowSession& session, const Camera& camera, const ViewSettings& view, bool touched,
-           const UVec2& size_px, const DVec2& cursor_px);
   /// Draws that, and notes the depth under the cursor.
   void record(CommandList& list, WindowSession& session, const UVec2& window_px);
 

@@ -56,18 +56,18 @@ bool Viewer::draw(double dt_s) {
   // While the model is parked, its last picture stays.
   if (document_.isGivingWay() && shown_.picture().hasSize(screen_.size_px())) layers.model = &shown_.picture();
   if (session) {
-    shown_.choosePace(script_.clock_s(), script_.hasOwnClock() || screen_.isKeeping());
     messages_.tryTo([&] { ownCamera_.follow(*session, viewpoint_.camera(), screen_.size_px()); });
     if (pace_.count() > 0) shown_.takePick();
     session->drawn().closeSurface();
-    shown_.fit(screen_.size_px(), settings_.view);
     layers.servoCore = session->session().live()->core();
     layers.model = &shown_.picture();
     viewpoint_.project(settings_.view.orthographic);
     viewpoint_.setDepthRange(session->bounds(), session->longestSide());
-    layers.modelDiffers = shown_.aim(*session, viewpoint_.camera(), settings_.view,
-                                     hands_.pointing().isTouching() || session->isPlaying(), screen_.size_px(),
-                                     hands_.pointing().cursor_px());
+    shown_.aim(*session, viewpoint_.camera(), settings_.view, hands_.pointing().isTouching() || session->isPlaying(),
+               screen_.size_px(), hands_.pointing().cursor_px());
+    shown_.choosePace(script_.clock_s(), script_.hasOwnClock() || screen_.isKeeping());
+    shown_.fit(screen_.size_px(), settings_.view);
+    layers.modelDiffers = shown_.picture().differs();
     layers.drawModel = [&](CommandList& list) { shown_.record(list, *session, screen_.size_px()); };
   }
   const bool isShown = screen_.show(layers);

@@ -31,16 +31,29 @@ GaussianOwner ownerIn(const PointTree& tree, const Vec3& center, double spacing)
   return owner;
 }
 
-/// The farthest of a few points around one, on the same side of the surface.
-std::uint32_t besidePoint(const PointCloud& file, const PointTree& tree, std::uint32_t point) {
+/// Of a few points around one, on the same side of the surface: the farthest, and the one with which it spans most.
+void addBeside(const PointCloud& file, const PointTree& tree, GaussianOwner& owner) {
   constexpr std::size_t kNeighbours = 8;
-  constexpr float kSameSide = 0.5f;
+  constexpr float kSameSide = 0.5f, kLeastSine = 0.2f;
   std::array<std::uint32_t, kNeighbours> near;
   std::array<double, kNeighbours> squared;
-  for (std::size_t k = tree.nearest(file.positions[point], near, squared); k-- > 1;)
-    if (near[k] != point && (!file.hasNormals() || glm::dot(file.normals[near[k]], file.normals[point]) > kSameSide))
-      return near[k];
-  return GaussianOwner::kNone;
+  const std::uint32_t point = owner.point;
+  const Vec3 at = file.positions[point];
+  Vec3 first(0);
+  float widest = 0;
+  for (std::size_t k = tree.nearest(at, near, squared); k-- > 1;) {
+    if (near[k] == point) continue;
+    if (file.hasNormals() && glm::dot(file.normals[near[k]], file.normals[point]) <= kSameSide) continue;
+    const Vec3 way = file.positions[near[k]] - at;
+    if (owner.beside == GaussianOwner::kNone) {
+      owner.beside = near[k];
+      first = way;
+      widest = kLeastSine * glm::dot(way, way);
+    } else if (const float span = glm::length(glm::cross(first, way)); span > widest) {
+      owner.across = near[k];
+      widest = span;
+    }
+  }
 }
 
 struct Owner : GaussianOwner {
@@ -211,7 +224,7 @@ BareVector<GaussianOwner> gaussianOwners(const PointCloud& file, unsigned thread
   const PointTree tree(file.positions);
   return parallelMake(records.size(), threads, [&](std::size_t i) {
     GaussianOwner owner = ownerIn(tree, Vec3(columns.center(records.row(i)) - file.origin), spacing);
-    if (owner.isNear) owner.beside = besidePoint(file, tree, owner.point);
+    if (owner.isNear) addBeside(file, tree, owner);
     return owner;
   });
 }

@@ -23,6 +23,7 @@ struct GaussianOwner {
   bool isNear = false;          ///< it follows the point
   /// Of a near one: another point of the same surface, by which its rotation about the normal is seen; or kNone.
   std::uint32_t beside = kNone;
+  std::uint32_t across = kNone;  ///< a third point, not in line with these two: by all three its growth is seen
 };
 /// Of each Gaussian of `file`, which requires Gaussians. O(N log N).
 BareVector<GaussianOwner> gaussianOwners(const PointCloud& file, unsigned threads = 0);

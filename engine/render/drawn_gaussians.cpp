@@ -44,9 +44,10 @@ shared::Gaussian packed(const GaussianColumns& columns, const std::byte* row, co
                      .scale = glm::exp(columns.logScales(row)),
                      .color = Vec3(0.5 + kZeroHarmonic * columns.color(row)),
                      .owner = owner.point,
-                     .beside = owner.beside};
+                     .beside = owner.beside,
+                     .across = owner.across};
   if (owner.point != GaussianOwner::kNone && !owner.isNear) g.owner |= shared::kFarOwner;
-  if (!isDrawable(g)) return {.owner = shared::kNoOwner, .beside = shared::kNoOwner};
+  if (!isDrawable(g)) return {.owner = shared::kNoOwner, .beside = shared::kNoOwner, .across = shared::kNoOwner};
   return g;
 }
 

@@ -7,6 +7,7 @@
 #include "engine/gpu/device.hpp"
 #include "engine/render/gaussian_pass.hpp"
 #include "engine/render/ground.hpp"
+#include "engine/render/water_pass.hpp"
 
 namespace palpate {
 
@@ -55,7 +56,16 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
     recordClear(list, about.hasColors);
     raster_.record(list, cloud, target);
   }
-  shading_.record(list, target, camera, options, under);
+  if (about.firstDisc == 0) return shading_.record(list, target, camera, options, {.ground = under});
+  if (!water_) water_ = std::make_unique<WaterPass>(device_, size_);
+  shading_.record(list, target, camera, options,
+                  {.ground = under,
+                   .water = water_.get(),
+                   .particles = {.positions = cloud.positions().address(),
+                                 .count = about.firstDisc,
+                                 .radius = options.splatRadius > 0 ? options.splatRadius : options.particles.radius,
+                                 .spacing = options.particles.spacing,
+                                 .side = options.shown.value_or(about.bounds).longestSide()}});
 }
 
 void Frame::record(CommandList& list, const DrawnMesh& mesh, const Camera& camera, const FrameOptions& options) {
@@ -69,7 +79,7 @@ void Frame::record(CommandList& list, const DrawnMesh& mesh, const Camera& camer
     const auto section = list.section("triangles");
     triangles_.record(list, mesh, tiles, target);
   }
-  shading_.record(list, target, camera, options, under);
+  shading_.record(list, target, camera, options, {.ground = under});
 }
 
 template <class Cloud>
@@ -97,7 +107,7 @@ void Frame::recordGaussians(CommandList& list, const DrawnCloud& cloud, const Ca
   const Ground* const under = ground(list, cloud, about, options);
   list.fill(depth_, shared::kNoDepth, depth_.bytes());
   gaussians_->prepare(list, cloud, target, size_);
-  shading_.record(list, target, camera, options, under, gaussians_.get());
+  shading_.record(list, target, camera, options, {.ground = under, .gaussians = gaussians_.get()});
 }
 
 void Frame::recordClear(CommandList& list, bool colors) const {

@@ -16,6 +16,7 @@ namespace palpate {
 
 class GaussianPass;
 class Ground;
+class WaterPass;
 
 /// Whether a picture of this cloud with these options is composited of the file's Gaussians: for its own colours, as
 /// fields, heights, normals and most passes are of the surface.
@@ -78,6 +79,7 @@ class Frame {
   std::unique_ptr<HardwareRaster> hardware_;  // made at its first use
   std::unique_ptr<Ground> ground_;            // these likewise
   std::unique_ptr<GaussianPass> gaussians_;
+  std::unique_ptr<WaterPass> water_;
   Buffer constants_;
   std::uint32_t recordings_ = 0;
   Buffer depth_, normalSums_, colorSums_;

@@ -13,9 +13,9 @@ namespace palpate {
 namespace {
 
 // RGBA8 of points without colour, by material.
-constexpr std::array<std::uint32_t, 5> kBaseColors{shared::kUnpainted, packedColor({173, 170, 164, 255}),
+constexpr std::array<std::uint32_t, 6> kBaseColors{shared::kUnpainted, packedColor({173, 170, 164, 255}),
                                                    packedColor({229, 226, 221, 255}), packedColor({188, 188, 189, 255}),
-                                                   shared::kUnpainted};
+                                                   shared::kUnpainted, packedColor({70, 128, 160, 255})};
 const Vec3 kBackgroundTop(0.020f, 0.024f, 0.033f);
 const Vec3 kBackgroundBottom(0.115f, 0.125f, 0.145f);
 constexpr double kDiscThickness = 0.12;  // of its radius
@@ -53,7 +53,16 @@ shared::RenderView viewOf(const Camera& camera, const FrameSize& size) {
           .size_px = size_px};
 }
 
-shared::RenderOverlays overlaysOf(const Overlays& wanted) {
+// White, or black on a light background and on a transparent one, as most pages are white.
+Vec3 barColorOn(const FrameOptions& options) {
+  constexpr int kLight = 130;
+  const std::array<std::uint8_t, 3> background = options.background.value_or(std::array<std::uint8_t, 3>{});
+  const int level = (30 * background[0] + 59 * background[1] + 11 * background[2]) / 100;
+  return Vec3(options.transparent || level > kLight ? 0.06f : 0.94f);
+}
+
+shared::RenderOverlays overlaysOf(const FrameOptions& options) {
+  const Overlays& wanted = options.overlays;
   shared::RenderOverlays overlays{};
   if (wanted.hip) {
     overlays.ballCenter = Vec3(wanted.hip->center);
@@ -82,6 +91,7 @@ shared::RenderOverlays overlaysOf(const Overlays& wanted) {
     overlays.barRadius = static_cast<float>(wanted.scale->radius);
     overlays.barDirection = Vec3(wanted.scale->along / bar);
     overlays.barLength = static_cast<float>(bar);
+    overlays.barColor = barColorOn(options);
   }
   return overlays;
 }
@@ -161,6 +171,7 @@ Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options) {
   if (options.tintsSelected) show(attributes.mask(MaskRole::selected), shared::kShownSelected, drawn.selected);
   show(attributes.mask(MaskRole::hidden), shared::kShownHidden, drawn.hidden);
   if (std::holds_alternative<FieldColors>(options.color)) show(attributes.values(), shared::kShownField, drawn.values);
+  if (showsWater(options)) drawn.firstDisc = drawn.count - std::min(drawn.count, options.particles.standing);
   drawn.hasColors = (drawn.shown & ~shared::kShownHidden) != 0;
   return drawn;
 }
@@ -196,7 +207,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
   const FieldColors range = source ? FieldColors() : std::get<FieldColors>(options.color);
   const std::uint32_t baseColor = kBaseColors[static_cast<std::size_t>(options.light.material)];
   shared::RenderFrame frame{.view = viewOf(camera, size),
-                            .overlays = overlaysOf(options.overlays),
+                            .overlays = overlaysOf(options),
                             .boundsMin = Vec3(shown.min),
                             .depthMin = static_cast<float>(std::max(depths.x, camera.nearDepth)),
                             .boundsMax = Vec3(shown.max),
@@ -227,7 +238,9 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .colorMap = static_cast<std::uint32_t>(options.colorMap),
                             .material = static_cast<std::uint32_t>(options.light.material),
                             .unpainted = baseColor,
-                            .backgroundOpacity = options.transparent ? 0.f : 1.f};
+                            .backgroundOpacity = options.transparent ? 0.f : 1.f,
+                            .firstDisc = drawn.firstDisc,
+                            .unused = 0};
   if (drawn.closeHoles) {
     const double radius_px = usual * frame.view.focal_px / camera.divisorAt(std::max(depths.x, camera.nearDepth));
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));

@@ -21,6 +21,11 @@ T named(std::string_view option, std::string_view name, std::span<const std::pai
 
 }  // namespace
 
+bool showsWater(const FrameOptions& options) {
+  return options.light.material == Material::water && options.pass == ImagePass::final &&
+         options.color == ColorBy(ColorSource::rgb) && options.particles.radius > 0;
+}
+
 ImagePass imagePassNamed(std::string_view name) {
   static constexpr std::pair<std::string_view, ImagePass> kChoices[] = {
       {"final", ImagePass::final},   {"depth", ImagePass::depth}, {"smooth-depth", ImagePass::smoothDepth},

@@ -63,6 +63,7 @@ enum class Material : std::uint32_t {
   plaster = shared::kMaterialPlaster,
   metal = shared::kMaterialMetal,
   unlit = shared::kMaterialUnlit,  ///< the colours as they are
+  water = shared::kMaterialWater,  ///< of a cloud, by its particles (FrameOptions::particles)
 };
 
 /// What adds to the plain light of a picture; each is a pass of its own (Relief, Ground, Shading).
@@ -147,6 +148,15 @@ struct SpaceLine {
   bool operator==(const SpaceLine&) const = default;
 };
 
+/// Points that fill a volume.
+struct Particles {
+  double radius = 0;           ///< of the ball that is drawn for each in water, model units
+  double spacing = 0;          ///< cube root of the volume of each, model units
+  std::uint32_t standing = 0;  ///< number of the last points, which are of surfaces
+
+  bool operator==(const Particles&) const = default;
+};
+
 struct FrameOptions {
   ImagePass pass = ImagePass::final;
   ColorBy color = ColorSource::rgb;
@@ -161,6 +171,7 @@ struct FrameOptions {
   std::uint32_t smooth_px = 0;
   Raster raster = Raster::compute;
   Light light;                  ///< of the pass final; its material also colours points without a colour
+  Particles particles;          ///< if the material is water
   DVec3 up{0, 1, 0};            ///< unit, along an axis
   std::optional<Bounds> shown;  ///< range of colours by height, depth and position; the cloud's box if not set
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a dark gradient if not set
@@ -172,5 +183,9 @@ struct FrameOptions {
 
   bool operator==(const FrameOptions&) const = default;
 };
+
+/// Whether the particles of a cloud are drawn as water: in their own colour, as fields, heights, normals and all other
+/// passes are of discs.
+bool showsWater(const FrameOptions& options);
 
 }  // namespace palpate

@@ -62,7 +62,7 @@ void Shading::recordShade(CommandList& list, const RasterTarget& target, DeviceA
 }
 
 void Shading::record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options,
-                     const Ground* ground, const GaussianPass* gaussians) {
+                     const Over& over) {
   {
     const auto section = list.section("holes");
     list.dispatch(closeHoles_, samples(),
@@ -71,8 +71,9 @@ void Shading::record(CommandList& list, const RasterTarget& target, const Camera
   const DeviceAddress depth = options.smooth_px > 0 ? recordSmoothing(list, target) : target.depth;
   const auto section = list.section("shade");
   recordShade(list, target, depth, options.pass == ImagePass::final ? options.light : Light());
-  if (ground) ground->recordShadow(list, target, source_.address(), depth, shaded_.address(), samples());
-  if (gaussians) gaussians->blend(list, shaded_.address());
+  if (over.ground)
+    over.ground->recordShadow(list, target, source_.address(), depth, shaded_.address(), samples());
+  if (over.gaussians) over.gaussians->blend(list, shaded_.address());
   shared::ResolveArgs resolve{.frame = target.frame,
                               .source = source_.address(),
                               .depth = depth,
@@ -81,11 +82,17 @@ void Shading::record(CommandList& list, const RasterTarget& target, const Camera
                               .depthImage = depthImage_.address(),
                               .first_px = {0, 0},
                               .size_px = {size_.width, size_.height}};
+  if (over.water) {
+    over.water->record(list, target, over.particles, {source_.address(), depth, shaded_.address()});
+    resolve.source = 0;
+    resolve.depth = over.water->surface().address();
+    resolve.shaded = over.water->shaded().address();
+  }
   list.dispatch(resolve_, pixels(), resolve);
-  const PixelRectangle over = overlayRectangle(options.overlays, camera, {size_.width, size_.height});
-  resolve.first_px = over.first_px;
-  resolve.size_px = over.size_px;
-  list.dispatch(overlay_, std::uint64_t{over.size_px.x} * over.size_px.y, resolve);
+  const PixelRectangle covered = overlayRectangle(options.overlays, camera, {size_.width, size_.height});
+  resolve.first_px = covered.first_px;
+  resolve.size_px = covered.size_px;
+  list.dispatch(overlay_, std::uint64_t{covered.size_px.x} * covered.size_px.y, resolve);
   recordLines(list, target, camera, options);
 }
 

@@ -9,6 +9,7 @@
 #include "engine/render/frame_constants.hpp"
 #include "engine/render/frame_options.hpp"
 #include "engine/render/line_pass.hpp"
+#include "engine/render/water_pass.hpp"
 
 namespace palpate {
 
@@ -23,9 +24,15 @@ class Shading {
   Shading(Device& device, const FrameSize& size);
   ~Shading();
 
-  /// `ground`: whose shadow is drawn; null: none. `gaussians`: composited over the surface; null: none.
+  /// What is drawn over the surface. Null: none.
+  struct Over {
+    const Ground* ground = nullptr;  ///< its shadow
+    const GaussianPass* gaussians = nullptr;
+    WaterPass* water = nullptr;
+    WaterPass::Particles particles = {};
+  };
   void record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options,
-              const Ground* ground, const GaussianPass* gaussians = nullptr);
+              const Over& over);
 
   /// A word for each pixel, RGBA8.
   const Buffer& image() const { return image_; }

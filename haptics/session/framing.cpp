@@ -9,6 +9,13 @@ namespace {
 // Margin of the picture and radius of the disc if all points are at one position, model units.
 constexpr double kAroundLone = 1, kLone = 0.3;
 
+// Points of a file fill a volume only if its user says so (Material::water).
+Particles particlesOf(const Model& model) {
+  return {.radius = model.discRadius() > 0 ? model.discRadius() : kParticleRadius_spacings * model.spacing,
+          .spacing = model.spacing,
+          .standing = static_cast<std::uint32_t>(model.standing())};
+}
+
 }  // namespace
 
 Framing framingOf(const Model& model, UpAxis up) {
@@ -37,6 +44,7 @@ FrameOptions frameOptionsOf(const Model& model, UpAxis up, const ColorConfig& co
   options.up = directionOf(up);
   options.shown = model.shown;
   options.light = lightOf(light, model, picture);
+  options.particles = particlesOf(model);
   return options;
 }
 

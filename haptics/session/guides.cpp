@@ -152,23 +152,27 @@ std::shared_ptr<const std::vector<SpaceLine>> PictureGuides::linesWith(const std
 }
 
 std::vector<PictureLabel> PictureGuides::labelsIn(const Camera& camera, const UVec2& size_px) const {
-  constexpr double kWide_px = 60, kHigh_px = 16;  // closer ones would cover each other
   std::vector<PictureLabel> all;
-  const auto add = [&](const SpaceLabel& label, bool plate) {
+  const auto add = [&](const SpaceLabel& label, bool always) {
     const auto at = camera.project(label.at, DVec2(size_px));
     if (!at) return;
     const DVec2 at_px(*at);
     if (at_px.x < 0 || at_px.y < 0 || at_px.x >= size_px.x || at_px.y >= size_px.y) return;
-    const bool covers = std::ranges::any_of(all, [&](const PictureLabel& other) {
-      const DVec2 between = glm::abs(other.at_px - at_px);
-      return between.x < kWide_px && between.y < kHigh_px;
-    });
-    if (!plate || !covers) all.push_back({at_px, label.text, plate});
+    all.push_back({at_px, label.text, always});
   };
-  for (const SpaceLabel& label : still_.labels) add(label, true);
   if (compass_)
-    for (const SpaceLabel& label : compassOf(camera, size_px).labels) add(label, false);
+    for (const SpaceLabel& label : compassOf(camera, size_px).labels) add(label, true);
+  for (const SpaceLabel& label : still_.labels) add(label, false);
   return all;
+}
+
+bool LabelRoom::admits(const PictureLabel& label, const DVec2& low_px, const DVec2& high_px) {
+  const auto meets = [&](const std::array<DVec2, 2>& other) {
+    return glm::all(glm::lessThan(low_px, other[1])) && glm::all(glm::lessThan(other[0], high_px));
+  };
+  if (!label.always && std::ranges::any_of(reserved_, meets)) return false;
+  reserve(low_px, high_px);
+  return true;
 }
 
 }  // namespace palpate

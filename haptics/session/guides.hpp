@@ -52,7 +52,18 @@ Guides compassOf(const Camera& camera, const UVec2& size_px);
 struct PictureLabel {
   DVec2 at_px{0};
   std::string text;
-  bool plate = true;  ///< it has one behind its letters
+  bool always = false;  ///< also where it covers others
+};
+
+/// Room for the labels of a picture, so that they cover neither each other nor what else is written there.
+class LabelRoom {
+ public:
+  void reserve(const DVec2& low_px, const DVec2& high_px) { reserved_.push_back({low_px, high_px}); }
+  /// Reserves it for a label; false if a part of it is reserved already and the label must not cover that.
+  bool admits(const PictureLabel& label, const DVec2& low_px, const DVec2& high_px);
+
+ private:
+  std::vector<std::array<DVec2, 2>> reserved_;
 };
 
 /// The guides of the pictures of one model.
@@ -67,7 +78,7 @@ class PictureGuides {
   /// `lines` and all guides, for FrameOptions; null if there are none.
   std::shared_ptr<const std::vector<SpaceLine>> linesWith(const std::vector<SpaceLine>& lines, const Camera& camera,
                                                           const UVec2& size_px) const;
-  /// Those in front of the camera and within the picture; of labels that would cover each other, the first one.
+  /// Those in front of the camera and within the picture, the more important ones first (LabelRoom).
   std::vector<PictureLabel> labelsIn(const Camera& camera, const UVec2& size_px) const;
 
  private:

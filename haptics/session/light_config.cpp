@@ -14,7 +14,8 @@ constexpr Setting<LightConfig> kLight[]{
      "(gaussians); other colours than rgb are always of the surface"},
     {"material", words<&LightConfig::material, kMaterialChoices>(), "--material",
      "surface of the model: clay (soft highlights), stone (rough), plaster (white, soft shadows), metal (reflections), "
-     "unlit (the colours as they are), or auto (unlit for a file with colours and without normals, else clay)"},
+     "unlit (the colours as they are), water (points are particles that fill a volume: what is behind is seen through "
+     "them), or auto (water for a scene of it, unlit for a file with colours and without normals, else clay)"},
     {"occlusion", words<&LightConfig::occlusion, kSwitchChoices>(), "--occlusion",
      "darken hollows by the share of the sky that is hidden there: on, off, or auto (off on software drivers)"},
     {"cavity", words<&LightConfig::cavity, kSwitchChoices>(), "--cavity",
@@ -32,7 +33,9 @@ std::span<const Setting<LightConfig>> settingsOf(const LightConfig*) { return kL
 
 Light lightOf(const LightConfig& config, const Model& model, const LightFor& picture) {
   const bool isBareScan = model.as<StillPoints>() && model.cloud.hasColors() && areNormalsEstimated(model.cloud);
-  const Material material = config.material.value_or(isBareScan ? Material::unlit : Material::clay);
+  const bool isWater = model.fluid() && model.fluid()->isWater && !picture.barePoints;
+  const Material found = isWater ? Material::water : isBareScan ? Material::unlit : Material::clay;
+  const Material material = config.material.value_or(found);
   const bool isUnlit = material == Material::unlit;
   const bool isShaped = !picture.isSoftware && !isUnlit && !picture.barePoints;
   const bool foundUnlit = isUnlit && !config.material;

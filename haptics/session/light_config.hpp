@@ -14,13 +14,14 @@ namespace palpate {
 
 struct Model;
 
-inline constexpr std::array<std::pair<std::string_view, std::optional<Material>>, 6> kMaterialChoices{
+inline constexpr std::array<std::pair<std::string_view, std::optional<Material>>, 7> kMaterialChoices{
     {{"auto", std::nullopt},
      {"clay", Material::clay},
      {"stone", Material::stone},
      {"plaster", Material::plaster},
      {"metal", Material::metal},
-     {"unlit", Material::unlit}}};
+     {"unlit", Material::unlit},
+     {"water", Material::water}}};
 inline constexpr std::array<std::pair<std::string_view, std::optional<bool>>, 3> kSwitchChoices{
     {{"auto", std::nullopt}, {"on", true}, {"off", false}}};
 inline constexpr std::array<std::pair<std::string_view, std::optional<bool>>, 3> kSplatChoices{
@@ -41,8 +42,8 @@ struct LightFor {
   bool isSoftware = false;  ///< a driver that draws on the CPU
   bool barePoints = false;  ///< points are drawn without discs
 };
-/// The same rule for the window, its saved pictures and the command line. Material: unlit if the file has colours and
-/// its normals are estimates, else clay. The others: on unless the driver is software, which would be too slow; of
+/// The same rule for the window, its saved pictures and the command line. Material: water for the particles of water
+/// unless they are drawn as bare points, unlit if the file has colours and its normals are estimates, else clay. The others: on unless the driver is software, which would be too slow; of
 /// unlit colours, only the ground. Eye-dome light: for what has no other light: on for such colours, and for bare
 /// points unless the driver is software.
 Light lightOf(const LightConfig& config, const Model& model, const LightFor& picture);

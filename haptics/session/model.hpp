@@ -41,9 +41,13 @@ struct CameraPoints {
   std::shared_ptr<PlayedStream> stream;
 };
 
+/// Radius of a particle in a picture, in spacings: two thirds would close a lattice at rest.
+inline constexpr double kParticleRadius_spacings = 0.85;
+
 /// Water or sand, as a point for each particle; model units.
 struct FluidPoints {
   Bounds container;                       ///< a box that holds the points
+  bool isWater = false;                   ///< else sand
   double discRadius = 0;                  ///< of all discs in a picture, as particles fill a body
   double ballRadius = 0;                  ///< of the ball that a hand holds
   std::size_t standing = 0;               ///< number of points of the body that stands in it: the last of the cloud

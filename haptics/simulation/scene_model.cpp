@@ -49,11 +49,11 @@ void placeInScene(Model& model, const MatterScene& scene) {
 
 // Particles fill a body: their distances do not describe a surface.
 FluidPoints drawnAsFluid(Model& model, const MatterScene& scene) {
-  constexpr double kDisc_spacings = 0.85;  // two thirds would close a lattice at rest
   model.spacing = model.wideSpacing = particleSpacing_mm(scene);
   model.noise = 0;
   return {.container = boxOf(scene),
-          .discRadius = kDisc_spacings * model.spacing,
+          .isWater = scene.matter == Matter::water,
+          .discRadius = kParticleRadius_spacings * model.spacing,
           .ballRadius = scene.tool.radius_mm,
           .body = nullptr};
 }

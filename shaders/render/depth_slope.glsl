@@ -24,9 +24,7 @@ vec2 depthSlope(Uints depths, uvec2 size, ivec2 at, float depth) {
 
 // The normal of the surface in eye space, towards the eye: the cross product of the steps to two neighbours of the von
 // Neumann neighbourhood (thesis, equation 3.4).
-vec3 normalFromDepth(RenderView view, Uints depths, ivec2 at) {
-  const float depth = depthAt(depths, view.size_px, at);
-  const vec2 slope = depthSlope(depths, view.size_px, at, depth);
+vec3 normalOfSlope(RenderView view, ivec2 at, float depth, vec2 slope) {
   const vec2 place_px = vec2(at) + 0.5;
   const vec2 right_px = place_px + vec2(1, 0), down_px = place_px + vec2(0, 1);
   const vec3 from = rayFrom(view, place_px), here = depth * rayThrough(view, place_px);  // along the ray
@@ -34,6 +32,10 @@ vec3 normalFromDepth(RenderView view, Uints depths, ivec2 at) {
   const vec3 down = (depth + slope.y) * rayThrough(view, down_px) - here + (rayFrom(view, down_px) - from);
   const vec3 normal = cross(right, down);
   return normalize(dot(normal, here) > 0 ? -normal : normal);
+}
+vec3 normalFromDepth(RenderView view, Uints depths, ivec2 at) {
+  const float depth = depthAt(depths, view.size_px, at);
+  return normalOfSlope(view, at, depth, depthSlope(depths, view.size_px, at, depth));
 }
 
 #endif

@@ -46,6 +46,16 @@ mat3 turnOf(vec3 normal, vec3 normalNow, vec3 beside, vec3 besideNow) {
   return mat3(now, cross(normalNow, now), normalNow) * transpose(mat3(x, cross(normal, x), normal));
 }
 
+// By what factor the surface around a point has grown: that of a triangle with two others, if it kept its shape; else 1.
+float growthOf(vec3 a, vec3 aNow, vec3 b, vec3 bNow) {
+  const vec3 before = vec3(dot(a, a), dot(b, b), dot(a - b, a - b));
+  const vec3 ratios = vec3(dot(aNow, aNow), dot(bNow, bNow), dot(aNow - bNow, aNow - bNow)) / before;
+  const float mean = (ratios.x + ratios.y + ratios.z) / 3;
+  if (!all(lessThan(abs(ratios - mean), vec3(kGrownShape * mean)))) return 1;  // also where it is not a number
+  const float growth = sqrt(mean);
+  return abs(growth - 1) > kLeastGrowth ? growth : 1;
+}
+
 // The sum of the harmonics of degree 1 to 3 (engine/cloud/gaussian_harmonics.hpp).
 vec3 harmonicsOf(uint gaussian, vec3 direction) {
   const float x = direction.x, y = direction.y, z = direction.z, xx = x * x, yy = y * y, zz = z * z;
@@ -109,15 +119,20 @@ bool place(uint i, RenderView view, out Placed placed) {
   placed.color = args.gaussians.at[i].color;
   if (owner != kNoOwner && (isGone(point) || isHidden(args.frame, point))) return false;
   mat3 turn = kNoTurn;
+  float growth = 1;
   if ((owner & kFarOwner) == 0) {
     const uint beside = args.gaussians.at[i].beside;
     const vec3 from = args.loaded.positions.at[point].xyz, to = args.now.positions.at[point].xyz;
     const vec3 normal = args.loaded.normals.at[point].xyz, normalNow = args.now.normals.at[point].xyz;
     const vec3 besideFrom = beside == kNoOwner ? vec3(0) : args.loaded.positions.at[beside].xyz - from;
     const vec3 besideTo = beside == kNoOwner ? vec3(0) : args.now.positions.at[beside].xyz - to;
+    const uint across = args.gaussians.at[i].across;
+    if (across != kNoOwner && besideFrom != besideTo)
+      growth = growthOf(besideFrom, besideTo, args.loaded.positions.at[across].xyz - from,
+                        args.now.positions.at[across].xyz - to);
     if (normal != normalNow || (from != to && besideFrom != besideTo))
-      turn = turnOf(normal, normalNow, besideFrom, besideTo);
-    if (from != to || turn != kNoTurn) placed.center = to + turn * (placed.center - from);
+      turn = turnOf(normal, normalNow, besideFrom, besideTo / growth);
+    if (from != to || turn != kNoTurn || growth != 1) placed.center = to + growth * (turn * (placed.center - from));
     const bool hasColors = (args.frame.at[0].shown & kShownColors) != 0;
     if (hasColors && args.now.colors.at[point] != args.loaded.colors.at[point]) placed.color = paint(point);
   }
@@ -127,7 +142,7 @@ bool place(uint i, RenderView view, out Placed placed) {
   }
   if ((owner & kFarOwner) == 0) placed.color = tinted(point, placed.color);
   const mat3 axes = turn * rotationOf(args.gaussians.at[i].rotation);
-  const vec3 scale = args.gaussians.at[i].scale;
+  const vec3 scale = growth * args.gaussians.at[i].scale;
   placed.axes = mat3(scale.x * axes[0], scale.y * axes[1], scale.z * axes[2]);
   return true;
 }

@@ -18,7 +18,7 @@ void main() {
   gl_PointSize = 1;
   const uint shares = args.tiles * args.tiles;
   const uint point = gl_VertexIndex / shares;
-  if (point >= args.count || isHidden(args.frame, point)) return;
+  if (point >= args.count || !isDisc(args.frame, point)) return;
   const RenderView view = args.frame.at[0].view;
   Disc disc;
   if (!placeDisc(view, args.positions.at[point].xyz, disc)) return;

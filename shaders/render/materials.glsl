@@ -2,10 +2,13 @@
 #ifndef PALPATE_RENDER_MATERIALS_GLSL
 #define PALPATE_RENDER_MATERIALS_GLSL
 #include "shaders/render/lighting.glsl"
+#include "shaders/shared/water.h"
 
 const float kStoneRoughness = 0.6;  // standard deviation of the slopes of its facets, radians
 const float kPlasterWrap = 0.4;     // how far light reaches around it
 const float kMetalEnvironment = 2.1, kMetalHighlight = 1.6, kMetalDiffuse = 0.25, kMetalShininess = 60;
+const vec3 kWaterBody = vec3(0.02, 0.16, 0.24);  // what deep water sends back
+const float kWaterEnvironment = 2.4, kWaterHighlight = 0.9, kWaterShininess = 120;
 const float kUnlitHollow = 0.35;  // light that is left in a hollow without any sky
 
 // Arguments as for lit().
@@ -39,6 +42,21 @@ vec3 litMetal(vec3 albedo, vec3 normal, vec3 toViewer, float access) {
                   kMetalDiffuse * kKeyLight * max(dot(normal, key), 0));
 }
 
+// Share of the light that water reflects (Schlick 1994).
+float waterReflectance(vec3 normal, vec3 toViewer) {
+  return kWaterReflectance + (1 - kWaterReflectance) * pow(1 - clamp(dot(normal, toViewer), 0, 1), 5);
+}
+// `body`: the colour of what is in the water, which the sky and the key light shine on.
+vec3 litWater(vec3 body, vec3 normal, vec3 toViewer) {
+  const vec3 key = normalize(kKeyDirection);
+  const vec3 mirrored = reflect(-toViewer, normal);
+  const vec3 around = kWaterEnvironment * mix(kGround, kSky, smoothstep(-0.4, 0.6, mirrored.y));
+  const vec3 inside = body * (mix(kGround, kSky, 0.5 + 0.5 * normal.y) + 0.6 * kKeyLight * max(dot(normal, key), 0));
+  const float highlight = pow(max(dot(normal, normalize(key + toViewer)), 0), kWaterShininess);
+  const float reflectance = waterReflectance(normal, toViewer);
+  return mix(inside, around, reflectance) + kWaterHighlight * kKeyLight * highlight;
+}
+
 vec3 litAs(uint material, vec3 albedo, vec3 normal, vec3 toViewer, float access) {
   switch (material) {
     case kMaterialStone:
@@ -47,6 +65,8 @@ vec3 litAs(uint material, vec3 albedo, vec3 normal, vec3 toViewer, float access)
       return litPlaster(albedo, normal, access);
     case kMaterialMetal:
       return litMetal(albedo, normal, toViewer, access);
+    case kMaterialWater:
+      return litWater(albedo, normal, toViewer);
     case kMaterialUnlit:
       return albedo * mix(kUnlitHollow, 1.0, access);
   }

@@ -9,7 +9,6 @@ const vec3 kBallColor = vec3(1.00, 0.44, 0.02);   // sRGB
 const vec3 kDiscColor = vec3(0.10, 0.78, 0.92);
 const vec3 kArrowColor = vec3(0.92, 0.10, 0.36);
 const vec3 kBrushColor = vec3(0.98, 0.90, 0.30);
-const vec3 kBarColor = vec3(0.94, 0.94, 0.94);
 const float kOutlineWidth = 0.03;  // of the tool's radius, and
 const float kThinnest_px = 3;      // samples at least
 const float kBarEnd = 3.0;          // radius of the discs at the bar's ends, in radii of the bar
@@ -120,7 +119,7 @@ vec4 overlaid(RenderView view, RenderOverlays o, vec2 place_px, float surfaceDep
   if (o.arrowLength > 0) hits[2] = hitArrow(eye, ray, o);
   if (o.brushRadius > 0) hits[3] = hitOutline(view, eye, ray, o.brushCenter, o.brushRadius);
   if (o.barLength > 0) hits[4] = hitBar(eye, ray, o);
-  const vec3 colors[kParts] = vec3[kParts](kBallColor, kDiscColor, kArrowColor, kBrushColor, kBarColor);
+  const vec3 colors[kParts] = vec3[kParts](kBallColor, kDiscColor, kArrowColor, kBrushColor, o.barColor);
   for (uint layer = 0; layer < kParts; ++layer) {
     uint farthest = kParts;
     for (uint k = 0; k < kParts; ++k)

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 // The picture: blends the overlays over every sample, averages the samples of a pixel in linear light and encodes the
 // result. Opacity is kept beside the colour, which is not multiplied by it. A variant without overlays processes all
 // pixels, and one with overlays repeats the pixels that they may cover: overlays get at least four samples per pixel
@@ -26,7 +27,7 @@ void main() {
   if (thread >= args.size_px.x * args.size_px.y) return;
   const uvec2 pixel = args.first_px + uvec2(thread % args.size_px.x, thread / args.size_px.x);
   const uint place = pixel.y * size.x + pixel.x;
-  const bool overlays = kLaysOver != 0;
+  const bool overlays = kLaysOver != 0, isOwn = uvec2(args.source) == uvec2(0);
   const uint split = overlays ? max(view.supersample, 2) : view.supersample;  // samples along each side of a pixel
 
   vec4 sum = vec4(0);  // light times opacity, and opacity
@@ -35,7 +36,7 @@ void main() {
     const vec2 place_px = (vec2(pixel) + (vec2(k % split, k / split) + 0.5) / float(split)) * float(view.supersample);
     const uint at = uint(place_px.y) * view.size_px.x + uint(place_px.x);
     const uvec2 packed = args.shaded.at[at];
-    const uint depth = args.depth.at[args.source.at[at]];
+    const uint depth = args.depth.at[isOwn ? at : args.source.at[at]];
     vec4 light = vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y));
     if (overlays)
       light = overlaid(view, args.frame.at[0].overlays, place_px, uintBitsToFloat(depth), light);

@@ -12,6 +12,9 @@ bool isHidden(RenderFrames frame, uint point) {
   return (frame.at[0].shown & kShownHidden) != 0 && isIn(frame.at[0].hidden.at[point / 32], point);
 }
 
+// Whether a point is drawn as a disc.
+bool isDisc(RenderFrames frame, uint point) { return point >= frame.at[0].firstDisc && !isHidden(frame, point); }
+
 // RGBA8: the base colour of the material for what is not painted.
 uint paintOf(RenderFrames frame, uint color) { return color == kUnpainted ? frame.at[0].unpainted : color; }
 

@@ -50,17 +50,14 @@ bool loadDisc(RenderView view, uint point, out Disc disc) {
   return true;
 }
 
-// The square of `side` samples around the middle of a disc.
-PixelBox cutTo(PixelBox box, ivec2 middle, int side) {
-  const ivec2 corner = middle - side / 2;
-  return PixelBox(max(box.first, corner), min(box.last, corner + side - 1));
-}
-
 const ivec2 kTile = ivec2(kSplatTileWidth, kSplatTileHeight);
 
-// The drawn part of a disc.
-PixelBox splatBox(RenderView view, Disc disc) {
-  return cutTo(boxOf(view, disc), disc.centerPixel, int(kMaxSplat));
+// The radius of a disc in a crowd of large ones.
+float radiusInCrowd(RenderView view, uint sharesOfEach, Disc disc) {
+  const float unitPx = view.focal_px / divisorAt(view, disc.center.z);
+  const float radius_px = min(disc.radius * unitPx, float(max(view.size_px.x, view.size_px.y)));
+  const float most = float(kCrowdedRounds) * float(kSplatWalkers) * float(sharesOfEach);  // samples
+  return min(args.counts.at[0].shrunk * radius_px, 0.5 * sqrt(most)) / unitPx;
 }
 
 struct Splat {
@@ -82,32 +79,35 @@ void goOn(inout Splat splat) {
 // held in registers by the caller.
 bool loadSplat(RenderView view, bool large, out Splat splat) {
   const uint thread = args.turn * gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x + threadIndex();
-  uint tile = 0;
-  bool crowded = false;
+  uint part = 0, sharesOfEach = 0;  // the tile, or in a crowd the share of this splat
   if (large) {
     const uint share = thread / kSplatWalkers;
-    const uint shares = args.counts.at[0].shares;
-    crowded = shares > kMaxShares;
-    if (share >= (crowded ? args.counts.at[0].large : shares)) return false;
+    sharesOfEach = args.counts.at[0].sharesOfEach;
+    if (share >= (sharesOfEach > 0 ? args.counts.at[0].large * sharesOfEach : args.counts.at[0].shares)) return false;
     const uint last = args.frame.at[0].count - 1;
-    const uvec2 entry = crowded ? uvec2(args.picked.at[last - share], 0) : args.shares.at[share];
+    const uvec2 entry = sharesOfEach > 0 ? uvec2(args.picked.at[last - share / sharesOfEach], share % sharesOfEach)
+                                         : args.shares.at[share];
     splat.point = entry.x;
-    tile = entry.y;
+    part = entry.y;
   } else {
     if (thread >= args.counts.at[0].small) return false;
     splat.point = args.picked.at[thread];
   }
   if (!loadDisc(view, splat.point, splat.disc)) return false;
-  splat.box = splatBox(view, splat.disc);
-  if (crowded) splat.box = cutTo(splat.box, splat.disc.centerPixel, int(kCrowdedSplat));
-  else if (large) {
+  int walkers = large ? int(kSplatWalkers) : 1, walker = int(thread % uint(walkers));
+  if (sharesOfEach > 0) {
+    splat.disc.radius = radiusInCrowd(view, sharesOfEach, splat.disc);
+    walker += walkers * int(part);
+    walkers *= int(sharesOfEach);
+  }
+  splat.box = boxOf(view, splat.disc);
+  if (large && sharesOfEach == 0) {
     // Tiles start at the first sample of the box, so that a splat of one tile has one share wherever it lies.
     const uint across = uint(splat.box.last.x - splat.box.first.x) / kSplatTileWidth + 1;
-    splat.box.first += ivec2(tile % across, tile / across) * kTile;
+    splat.box.first += ivec2(part % across, part / across) * kTile;
     splat.box.last = min(splat.box.last, splat.box.first + kTile - 1);
   }
   const int width = splat.box.last.x - splat.box.first.x + 1;
-  const int walkers = large ? int(kSplatWalkers) : 1, walker = int(thread % uint(walkers));
   splat.pixel = splat.box.first + ivec2(walker % width, walker / width);
   splat.stride = ivec2(walkers % width, walkers / width);
   return true;

@@ -10,6 +10,8 @@
 #include "shaders/render/shown.glsl"
 #include "shaders/render/splat.glsl"
 
+const uint kFullBlocks = 1u << 27;
+
 // Points that may be drawn.
 shared uint candidates[kPickPoints * gl_WorkGroupSize.x], candidateCount;
 // Of a round of this workgroup, and their first indices in the lists: one addition to each global counter for all its
@@ -34,12 +36,12 @@ void listSplats(RenderView view, uint candidate) {
   Disc disc;
   bool seen = candidate < candidateCount && loadDisc(view, point, disc);
   PixelBox box = PixelBox(ivec2(0), ivec2(-1));
-  if (seen) box = splatBox(view, disc);
+  if (seen) box = boxOf(view, disc);
   const ivec2 size = box.last - box.first + 1;
   seen = seen && all(greaterThan(size, ivec2(0)));
   const bool large = seen && size.x * size.y > int(kSmallSplat);
   const uvec2 tiles = large ? (uvec2(size) - 1) / uvec2(kTile) + 1 : uvec2(0);
-  const uint shares = tiles.x * tiles.y;
+  const uint shares = min(tiles.x * tiles.y, kMaxShares + 1);
 
   const uvec4 smalls = subgroupBallot(seen && !large), larges = subgroupBallot(large);
   uint sharesInAll;
@@ -56,7 +58,13 @@ void listSplats(RenderView view, uint candidate) {
   if (gl_LocalInvocationIndex == 0) {
     starts.x = smallsHere > 0 ? atomicAdd(args.counts.at[0].small, smallsHere) : 0;
     starts.y = largesHere > 0 ? atomicAdd(args.counts.at[0].large, largesHere) : 0;
-    starts.z = sharesHere > 0 ? atomicAdd(args.counts.at[0].shares, sharesHere) : 0;
+    // Beyond the lists' capacity numbers need only show that, and no sum may wrap.
+    const uint most = kMaxShares + 1, before = args.counts.at[0].blocks;
+    starts.z = most;
+    if (before < kFullBlocks) {
+      if (sharesHere > 0) atomicAdd(args.counts.at[0].blocks, (sharesHere + kSharesInBlock - 1) / kSharesInBlock);
+      starts.z = sharesHere > 0 ? atomicAdd(args.counts.at[0].shares, min(sharesHere, most)) : 0;
+    }
     smallsHere = largesHere = sharesHere = 0;
   }
   barrier();
@@ -87,7 +95,7 @@ void main() {
   }
   [[unroll]] for (uint k = 0; k < kPickPoints; ++k) {
     const uint point = first + k * gl_WorkGroupSize.x;
-    listCandidates(point < end && mayBeDrawn(view, point, positions[k]) && !isHidden(args.frame, point), point);
+    listCandidates(point < end && mayBeDrawn(view, point, positions[k]) && isDisc(args.frame, point), point);
   }
   barrier();
   // Every round but the last is full.

@@ -16,12 +16,17 @@ uint rowsFor(uint splats, uint perGroup) {
 void main() {
   if (threadIndex() > 0) return;
   const uint shares = args.counts.at[0].shares;
-  const uint larges = shares > kMaxShares ? args.counts.at[0].large : shares;
+  const bool isCrowd = shares > kMaxShares;
+  const uint sharesOfEach = isCrowd ? max(kMaxShares / args.counts.at[0].large, 1) : 0;
+  const uint larges = isCrowd ? args.counts.at[0].large * sharesOfEach : shares;
   const uint rows[2] = uint[2](rowsFor(args.counts.at[0].small, args.smallsPerGroup),
                                rowsFor(larges, args.largesPerGroup));
   // No sum may reach 2^31, even if all splats are in one sample.
   const uint each = 0x7FFFFFFFu / max(args.counts.at[0].small + args.counts.at[0].large, 1);
   args.counts.at[0].sumScale = float(min(1u << findMSB(each), kFinestSum));
+  args.counts.at[0].sharesOfEach = sharesOfEach;
+  args.counts.at[0].shrunk =
+      isCrowd ? min(sqrt(float(kMaxShares) / (float(kSharesInBlock) * float(args.counts.at[0].blocks))), 1) : 1;
   args.counts.at[0].smallGroups = uint[3](kSplatRow, rows[0], 1);
   args.counts.at[0].largeGroups = uint[3](kSplatRow, rows[1], 1);
 }

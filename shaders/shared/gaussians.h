@@ -51,8 +51,13 @@ struct Gaussian {
   vec3 color;     // the harmonic of degree 0, as a colour from 0 to 1
   uint owner;     // the point that it belongs to, with kFarOwner; or kNoOwner
   uint beside;    // another point, by which the rotation about the owner's normal is seen; or kNoOwner
+  uint across;    // a third point, by which its growth is seen; or kNoOwner
 };
-PALPATE_SIZE(Gaussian, 64);
+PALPATE_SIZE(Gaussian, 68);
+// Largest change of the squares of a triangle's sides against one another if it grows, and the least growth that counts
+// (GaussianEdit): a brush that bends a surface hardly scales it.
+const float kGrownShape = 2e-3f;
+const float kLeastGrowth = 0.01f;
 
 // In the picture, whose pixels have their centres at (x + 0.5, y + 0.5).
 struct ProjectedGaussian {

@@ -13,12 +13,12 @@ const uint kSmallSplat = 16;
 const uint kSplatTileWidth = 16;
 const uint kSplatTileHeight = 8;
 const uint kSplatWalkers = 8;
-// Maximum side of the square that a splat covers, samples. The rest is cut off.
-const uint kMaxSplat = 1024;
-// Capacity of the lists for tiles of all splats. If there are more, in a dense cluster of discs before the eye, each
-// splat is cut off to a square of kCrowdedSplat samples around its middle.
+// Capacity of the lists for tiles of all splats. If there are more, in a dense cluster of discs before the eye, all large
+// splats are smaller by the same factor, so that as many tiles would do; they still cover the picture many times. Each
+// then has the same number of shares, which walk no more than kCrowdedRounds samples for each invocation.
 const uint kMaxShares = 1u << 20;
-const uint kCrowdedSplat = 64;
+const uint kCrowdedRounds = 512;
+const uint kSharesInBlock = 64;  // unit in which tiles are counted then
 // Invocations of a workgroup that picks splats: more share one addition to the global counters.
 const uint kPickWorkgroup = 512;
 // Points that an invocation looks at when picking: more are in flight together, fewer end sooner.
@@ -85,6 +85,7 @@ const uint kMaterialStone = 1;
 const uint kMaterialPlaster = 2;
 const uint kMaterialMetal = 3;
 const uint kMaterialUnlit = 4;
+const uint kMaterialWater = 5;
 
 // What the points of a cloud have (RenderFrame::shown).
 const uint kShownColors = 1;    // colours of their own
@@ -129,8 +130,10 @@ struct RenderOverlays {
   float barRadius;
   vec3 barDirection;  // unit
   float barLength;
+  vec3 barColor;  // sRGB
+  uint unused;
 };
-PALPATE_SIZE(RenderOverlays, 128);
+PALPATE_SIZE(RenderOverlays, 144);
 
 // One frame's constants. The parts that shaders load as a whole come first: the validation layer of Debian 12
 // overestimates the size of such a load and reports one at the end of a buffer.
@@ -167,8 +170,10 @@ struct RenderFrame {
   uint material;                  // kMaterial*
   uint unpainted;                 // baseColor as RGBA8: what points show that carry kUnpainted
   float backgroundOpacity;        // 1, or 0 for a transparent background, whose light is 0 as well
+  uint firstDisc;                 // points before it are drawn otherwise
+  uint unused;
 };
-PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52 + 48);
+PALPATE_SIZE(RenderFrame, 80 + 144 + 44 + 40 + 52 + 56);
 
 #ifndef __cplusplus
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RenderFrames { RenderFrame at[]; };
@@ -181,8 +186,11 @@ struct SplatCounts {
   uint shares;                          // may exceed kMaxShares; the list ends there
   float sumScale;                       // fixed-point unit of their sums
   uint smallGroups[3], largeGroups[3];  // workgroups that walk them, in each round
+  uint blocks;                          // of kSharesInBlock tiles: of all large splats
+  uint sharesOfEach;                    // of a large splat, if too many tiles are listed; else 0
+  float shrunk;                         // factor on the radius of large splats then
 };
-PALPATE_SIZE(SplatCounts, 40);
+PALPATE_SIZE(SplatCounts, 52);
 
 #ifndef __cplusplus
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer SplatCountsAt { SplatCounts at[]; };
@@ -255,7 +263,7 @@ PALPATE_SIZE(ShadeArgs, 72);
 
 struct ResolveArgs {
   PALPATE_ADDRESS(RenderFrames) frame;
-  PALPATE_ADDRESS(Uints) source;
+  PALPATE_ADDRESS(Uints) source;  // null: each sample shows its own surface
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(UVec2s) shaded;
   PALPATE_ADDRESS(Uints) image;        // one per pixel: RGBA8

@@ -285,6 +285,16 @@ TEST_CASE_FIXTURE(EditedFixture, "Gaussians move and rotate with their points, a
     const DQuat rotation = glm::angleAxis(1.2, DVec3(0, 0, 1));
     for (PointState& state : states) state.position = Vec3(rotation * DVec3(state.position));
   }
+  SUBCASE("scaled, and tilted") {
+    const DQuat rotation = glm::angleAxis(0.4, glm::normalize(DVec3(1, 0.3, 0.2)));
+    for (PointState& state : states) {
+      state.position = Vec3(1.6 * (rotation * DVec3(state.position)) + DVec3(0.1, 0, 0.2));
+      state.normal = Vec3(rotation * DVec3(state.normal));
+    }
+  }
+  SUBCASE("scaled down") {
+    for (PointState& state : states) state.position *= 0.6f;
+  }
   SUBCASE("painted") {
     for (std::size_t i = 0; i < states.size(); i += 2) states[i].color = bitsOfColor(250, 10, 10) | 0xff000000u;
   }

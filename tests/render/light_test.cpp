@@ -106,6 +106,14 @@ DVec3 lightOf(Material material, const DVec3& albedo, const DVec3& n, const DVec
     }
     case Material::unlit:
       return albedo;
+    case Material::water: {  // of a disc: its colour below a wet surface
+      const DVec3 mirrored = 2 * glm::dot(n, v) * n - v;
+      const double t = std::clamp((mirrored.y + 0.4) / 1.0, 0.0, 1.0);
+      const double reflectance = 0.02 + 0.98 * std::pow(1 - std::clamp(glm::dot(n, v), 0.0, 1.0), 5);
+      return glm::mix(albedo * (around + 0.6 * lights.keyLight * key),
+                      2.4 * glm::mix(lights.ground, lights.sky, t * t * (3 - 2 * t)), reflectance) +
+             0.9 * lights.keyLight * std::pow(half, 120);
+    }
   }
   return {};
 }
@@ -151,7 +159,8 @@ TEST_CASE_FIXTURE(PictureFixture, "each material sends the light to the eye as i
   const std::array<std::uint8_t, 4> color{190, 120, 90, 255};
   const DVec3 albedo(linear(190 / 255.0), linear(120 / 255.0), linear(90 / 255.0));
   for (const Material material :
-       {Material::clay, Material::stone, Material::plaster, Material::metal, Material::unlit}) {
+       {Material::clay, Material::stone, Material::plaster, Material::metal, Material::unlit,
+        Material::water}) {
     CAPTURE(static_cast<int>(material));
     for (const DVec3& normal : {DVec3(0, 0, 1), DVec3(-0.5, 0.6, 0.7), DVec3(0.7, -0.2, 0.6), DVec3(0.1, -0.8, 0.6)}) {
       const DVec3 unit = glm::normalize(normal);

@@ -4,7 +4,9 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/spacing.hpp"
+#include "shaders/shared/render.h"
 #include "tests/labels.hpp"
+#include "tests/near.hpp"
 #include "tests/render/picture_fixture.hpp"
 
 namespace palpate::splat_pick_test {
@@ -149,11 +151,11 @@ TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "both widths of atomics give 
   if (!device.hasWideAtomics()) MESSAGE("this device has no atomics of 64 bits: both were narrow");
 }
 
-TEST_CASE_FIXTURE(SplatPickFixture, "too many discs that fill the picture are all reduced to the same size") {
-  // 2,100 discs of 512 tiles each exceed the capacity for shares.
+TEST_CASE_FIXTURE(SplatPickFixture, "discs that fill the picture are whole, and smaller discs if there are too many of them") {
+  // More than 2,048 discs of 512 tiles each exceed the capacity for shares.
   constexpr std::uint32_t kSide = 256;
   PointCloud cloud;
-  cloud.positions.assign(2100, Vec3(0));
+  cloud.positions.assign(16'000, Vec3(0));
   cloud.normals.assign(cloud.size(), Vec3(0, 0, 1));
   Camera camera;
   camera.eye = {0, 0, 3};
@@ -167,7 +169,11 @@ TEST_CASE_FIXTURE(SplatPickFixture, "too many discs that fill the picture are al
     return static_cast<std::size_t>(std::ranges::count_if(shot.depths.depth, [](float d) { return d > 0; }));
   };
   CHECK(covered(1) == kSide * kSide);
-  CHECK(covered(2100) == shared::kCrowdedSplat * shared::kCrowdedSplat);
+  CHECK(covered(2100) == kSide * kSide);
+  const double focal_px = camera.focal_px(kSide), shrunk = std::sqrt(double{shared::kMaxShares} / (512.0 * 16'000));
+  CHECK(5 * focal_px / 3 > kSide);
+  const double radius_px = shrunk * kSide;
+  CHECK(covered(16'000) == near(3.14159265 * radius_px * radius_px, 0.02));  // a round disc, not a square
 }
 
 TEST_SUITE_END();
