@@ -8,6 +8,8 @@
 
 layout(constant_id = 1) const uint kAlongColumns = 0;
 
+const float kBackground = 3.0e38;  // no depth of a surface is larger
+
 struct Water {
   float depth;  // infinite: none
   vec2 amount;  // thickness in sides of the model, and cover
@@ -43,9 +45,10 @@ void main() {
   const uint place = threadIndex();
   if (place >= uint(size.x * size.y)) return;
   const ivec2 at = ivec2(place % uint(size.x), place / uint(size.x));
-  const ivec2 step = kAlongColumns != 0 ? ivec2(0, 1) : ivec2(1, 0);
+  ivec2 step = ivec2(1, 0);
+  if (kAlongColumns != 0) step = ivec2(0, 1);  // Mesa mistakes a specialised choice between vectors
   const Water here = waterAt(size, at);
-  const bool isSurface = !isinf(here.depth);
+  const bool isSurface = here.depth < kBackground;
   const float usual = 0.5 * (args.frame.at[0].depthMin + args.frame.at[0].depthMax);
   const float deviation = kWaterSmooth * ballAt(view, isSurface ? here.depth : usual);
   const int reach = int(min(ceil(kWaterWindow * deviation), float(kMaxWaterReach_px)));
@@ -67,7 +70,7 @@ void main() {
       admit(depth.x, weights.x, weights.y, nearest, farthest, rim, band);
       admit(depth.y, weights.y, weights.x, nearest, farthest, rim, band);
     } else {
-      weights = mix(weights, vec2(0), isinf(depth));
+      weights = mix(vec2(0), weights, lessThan(depth, vec2(kBackground)));
     }
     if (weights.x > 0) depths += weights.x * depth.x;
     if (weights.y > 0) depths += weights.y * depth.y;
@@ -76,7 +79,7 @@ void main() {
   float depth = depthWeights > 0 ? depths / depthWeights : uintBitsToFloat(kNoDepth);
   if (kAlongColumns != 0) {
     const float front = uintBitsToFloat(args.fronts.at[place]);
-    if (!isinf(front)) depth = clamp(depth, front - args.radius, front + args.radius);
+    if (front < kBackground) depth = clamp(depth, front - args.radius, front + args.radius);
   }
   const uvec2 result = uvec2(floatBitsToUint(depth), packHalf2x16(amounts / amountWeights));
   if (kAlongColumns != 0) args.smoothed.at[place] = result;
