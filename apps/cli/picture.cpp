@@ -45,7 +45,7 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model, boo
         parseList<double, 1>(options.splatRadius, ',', "--splat-radius", "a length in mm or 'auto'")[0];
     if (!(radius_mm > 0) || !std::isfinite(radius_mm))
       throw UsageError("--splat-radius: '{}' is not a positive length in mm", options.splatRadius);
-    frame.splatRadius = model.scale.toUnits(radius_mm);
+    frame.splatRadius = frame.particles.radius = model.scale.toUnits(radius_mm);
     if (widest > 0 && frame.splatRadius > widest)
       throw UsageError("--splat-radius: {} mm is more than a tenth of the model, which is {:.4g} mm long in the hand",
                        radius_mm, model.scale.toMm(widest / kWidest));
@@ -54,6 +54,7 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model, boo
     constexpr double kBare = 1e-7;  // of the longest side: far below a sample
     frame.splatRadius = kBare * std::max(model.shownBounds().longestSide(), 1e-30);
     frame.everyPoint = true;
+    frame.particles.radius = 0;
     frame.closeHoles = false;
   }
   return frame;

@@ -26,20 +26,23 @@ ModelPicture::ModelPicture(Device& sight)
 
 void ModelPicture::choosePace(bool still) {
   constexpr double kSlow_ms = 45;  // twenty pictures a second
-  constexpr std::uint32_t kMaxShrunk = 2;
   if (still)
     shrink_ = 1;
-  else if (time_ms_ > kSlow_ms && shrink_ < kMaxShrunk)
+  else if (time_ms_ > kSlow_ms && shrink_ < frames_.size())
     ++shrink_;
 }
 
 void ModelPicture::fit(const UVec2& window_px, std::uint32_t supersample) {
-  const UVec2 size_px = (window_px + (shrink_ - 1)) / shrink_;
-  if (frame_ && frame_->width() == size_px.x && frame_->height() == size_px.y && supersample_ == supersample) return;
-  frame_.reset();
+  if (std::exchange(window_px_, window_px) != window_px || std::exchange(supersample_, supersample) != supersample) {
+    frame_ = nullptr;
+    frames_ = {};
+  }
+  std::unique_ptr<Frame>& frame = frames_[shrink_ - 1];
+  if (frame && frame_ == frame.get()) return;
   isStale_ = true;
-  frame_ = std::make_unique<Frame>(sight_, size_px.x, size_px.y, supersample);
-  supersample_ = supersample;
+  const UVec2 size_px = (window_px + (shrink_ - 1)) / shrink_;
+  if (!frame) frame = std::make_unique<Frame>(sight_, size_px.x, size_px.y, supersample);
+  frame_ = frame.get();
 }
 
 void ModelPicture::aim(const WindowSession& session, const ShownMesh& mesh, const Camera& camera,

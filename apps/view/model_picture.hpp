@@ -2,6 +2,7 @@
 // slow, and read for the depth under the cursor.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -70,7 +71,9 @@ class ModelPicture {
   };
 
   Device& sight_;
-  std::unique_ptr<Frame> frame_;
+  std::array<std::unique_ptr<Frame>, 2> frames_;  // by shrink_ - 1: a motion and a rest change between them
+  Frame* frame_ = nullptr;                        // one of them
+  UVec2 window_px_{0};
   std::uint32_t supersample_ = 0, shrink_ = 1;
   std::optional<Scene> scene_, next_;  // of the last picture, and of the next one
   bool isStale_ = true;                // frame_ has another size than the last picture

@@ -17,7 +17,7 @@ FrameOptions frameOptions(const WindowSession& session, const ViewSettings& view
   FrameOptions options = frameOptionsOf(model, view.upOf(model), view.color, field, view.light,
                                         {.isSoftware = isSoftware, .barePoints = false});
   if (!view.dark) options.background = kLightBackground;
-  if (view.discRadius_mm > 0) options.splatRadius = model.scale.toUnits(view.discRadius_mm);
+  if (view.discRadius_mm > 0) options.splatRadius = options.particles.radius = model.scale.toUnits(view.discRadius_mm);
   const RecentTicks& history = session.recentTicks();
   if (touched && !history.rows().empty())
     options.overlays = overlaysOf(history.rows().back(), model.cloud.origin, session.longestSide(), session.heldTool());

@@ -63,7 +63,7 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
                    .water = water_.get(),
                    .particles = {.positions = cloud.positions().address(),
                                  .count = about.firstDisc,
-                                 .radius = options.splatRadius > 0 ? options.splatRadius : options.particles.radius,
+                                 .radius = options.particles.radius,
                                  .spacing = options.particles.spacing,
                                  .side = options.shown.value_or(about.bounds).longestSide()}});
 }

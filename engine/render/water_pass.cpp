@@ -25,6 +25,7 @@ WaterPass::WaterPass(Device& device, const FrameSize& size)
       balls_(waterPass(device, shader_code::render_water_balls)),
       alongRows_(waterPass(device, shader_code::render_water_smooth, {0})),
       alongColumns_(waterPass(device, shader_code::render_water_smooth, {1})),
+      tidy_(waterPass(device, shader_code::render_water_tidy)),
       compose_(waterPass(device, shader_code::render_water_compose)),
       fronts_(deviceWords(device, pixels_, "nearest water")),
       sums_(deviceWords(device, pixels_, "thickness of water")),
@@ -70,6 +71,7 @@ void WaterPass::record(CommandList& list, const RasterTarget& target, const Part
   list.dispatch(balls_, std::uint64_t{particles.count} * shared::kWaterWalkers, args);
   list.dispatch(alongRows_, pixels_, args);
   list.dispatch(alongColumns_, pixels_, args);
+  list.dispatch(tidy_, pixels_, args);
   list.dispatch(compose_, samples_, args);
 }
 

@@ -33,12 +33,13 @@ class WaterPass {
   const Buffer& fronts() const { return fronts_; }
   const Buffer& sums() const { return sums_; }
   const Buffer& smoothed() const { return smoothed_; }
+  const Buffer& tidied() const { return across_; }
   /// Fixed-point unit of sums().
   static double unitsInLength(const Particles& particles);
 
  private:
   std::uint64_t pixels_, samples_;
-  ComputePipeline balls_, alongRows_, alongColumns_, compose_;
+  ComputePipeline balls_, alongRows_, alongColumns_, tidy_, compose_;
   Buffer fronts_, sums_, across_, smoothed_, shaded_, surface_;
 };
 

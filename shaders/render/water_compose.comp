@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Water, pass 4: the light of every sample. Behind the surface is what is not water, shifted by the slope of the
+// Water, pass 5: the light of every sample. Behind the surface is what is not water, shifted by the slope of the
 // surface and absorbed over the thickness; the surface reflects the sky.
 #include "shaders/render/depth_slope.glsl"
 #include "shaders/render/materials.glsl"
@@ -9,7 +9,7 @@
 // As normalFromDepth(), of the smoothed depths.
 float surfaceDepth(ivec2 size, ivec2 at) {
   if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) return uintBitsToFloat(kNoDepth);
-  return uintBitsToFloat(args.smoothed.at[uint(at.y * size.x + at.x)].x);
+  return uintBitsToFloat(args.across.at[uint(at.y * size.x + at.x)].x);
 }
 vec3 normalOf(RenderView view, ivec2 at, float depth) {
   const ivec2 size = ivec2(view.size_px);
@@ -31,14 +31,16 @@ void main() {
   if (place >= samples.size_px.x * samples.size_px.y) return;
   const ivec2 at = ivec2(place % samples.size_px.x, place / samples.size_px.x);
   const ivec2 pixel = at / int(samples.supersample);
-  const uvec2 bits = args.smoothed.at[uint(pixel.y) * view.size_px.x + uint(pixel.x)];
+  const uvec2 bits = args.across.at[uint(pixel.y) * view.size_px.x + uint(pixel.x)];
   const float depth = uintBitsToFloat(bits.x);
   const vec2 amount = unpackHalf2x16(bits.y);
   // The cover of a straight rim falls by this in one pixel.
   const float fall = 2.5066 * 0.5 * kWaterSmooth * ballAt(view, depth);
   const float cover = clamp(0.5 + (amount.y - 0.5) * fall, 0, 1);
   const float end = depthBehind(place);
-  if (!(depth < end) || cover <= 0) {
+  // Smoothing does not spread water over what stands before it.
+  const bool isSpread = args.fronts.at[uint(pixel.y) * view.size_px.x + uint(pixel.x)] == kNoDepth && !isinf(end);
+  if (!(depth < end) || cover <= 0 || isSpread) {
     args.shaded.at[place] = args.behind.at[place];
     args.surface.at[place] = floatBitsToUint(end);
     return;

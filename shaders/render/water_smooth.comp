@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Water, passes 2 and 3: depth, thickness and cover, smoothed along the rows and then along the columns. Depths follow
 // the narrow-range filter of Truong and Yuksel: what is far in front does not count, nor what is opposite of it, and
-// what is far behind counts as a little behind, so that rims are round. The surface stays within a radius of the balls.
+// what is far behind counts as a little behind, so that rims are round. The surface stays close to the particles.
 // A pixel without a ball receives the depth of those beside it: the smoothed cover tells whether it is water.
 #include "shaders/render/water.glsl"
 
@@ -79,7 +79,7 @@ void main() {
   float depth = depthWeights > 0 ? depths / depthWeights : uintBitsToFloat(kNoDepth);
   if (kAlongColumns != 0) {
     const float front = uintBitsToFloat(args.fronts.at[place]);
-    if (front < kBackground) depth = clamp(depth, front - args.radius, front + args.radius);
+    if (front < kBackground) depth = clamp(depth, front - kWaterNearer * args.radius, front + kWaterFarther * args.radius);
   }
   const uvec2 result = uvec2(floatBitsToUint(depth), packHalf2x16(amounts / amountWeights));
   if (kAlongColumns != 0) args.smoothed.at[place] = result;

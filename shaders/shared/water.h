@@ -15,7 +15,7 @@ const uint kWidestBall_px = 960;
 const float kMinBall_px = 0.71f;
 // Standard deviations of the smoothing, radii of balls: of the depth; of thickness and cover it is half of that. Larger
 // flattens waves, smaller shows the particles.
-const float kWaterSmooth = 1.2f;
+const float kWaterSmooth = 1.5f;
 // In radii: a step of the depth by more than this divides two parts of the water, as a drop before the rest.
 const float kWaterBand = 4;
 // In radii: how far behind a pixel its farther neighbours count, so that rims are round.
@@ -23,8 +23,15 @@ const float kWaterRim = 1;
 // Radius of the window of the smoothing, standard deviations and pixels: the trip count is twice this.
 const float kWaterWindow = 2;
 const uint kMaxWaterReach_px = 48;
+// In radii: how much nearer and farther than the front of its balls the surface may be, so that it passes them, and its
+// particles are within that distance from it.
+const float kWaterNearer = 0.5f;
+const float kWaterFarther = 2;
+// Radius of the last, square window, which removes the streaks that rows and columns leave: of a ball, and pixels.
+const float kWaterTidy = 0.4f;
+const uint kMaxWaterTidy_px = 6;
 // Light that one longest side of the model absorbs: exponents of red, green and blue (Beer and Lambert).
-const vec3 kWaterAbsorption = vec3(5.0f, 1.5f, 0.9f);
+const vec3 kWaterAbsorption = vec3(9.0f, 3.0f, 1.7f);
 // Reflectance at right angles (Schlick 1994), by an index of refraction of 1.33.
 const float kWaterReflectance = 0.02f;
 // Sideways shift of what is seen through water, of its thickness, by the slope of its surface: (1.33 - 1) / 1.33.
@@ -38,7 +45,7 @@ struct WaterArgs {
   PALPATE_ADDRESS(Vec4s) positions;
   PALPATE_ADDRESS(Uints) fronts;   // bits of the depth of the nearest ball, kNoDepth: none
   PALPATE_ADDRESS(Uints) sums;     // thickness of all balls before what is not water, in 1 / unitsInLength
-  PALPATE_ADDRESS(UVec2s) across;  // smoothed along rows: bits of the depth; thickness and cover as two half floats
+  PALPATE_ADDRESS(UVec2s) across;  // smoothed along rows, and at last in squares: bits of the depth; thickness and cover as two half floats
   PALPATE_ADDRESS(UVec2s) smoothed; // and along columns
   PALPATE_ADDRESS(UVec2s) behind;  // one per sample: light of what is not water
   PALPATE_ADDRESS(UVec2s) shaded;  // out, one per sample: light of the picture

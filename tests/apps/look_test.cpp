@@ -163,6 +163,21 @@ TEST_CASE("colours by height come with a legend, and a scale bar with its length
   // The numbers are dark on a light background.
   const Picture light = render("--color height --background 255,255,255").first;
   CHECK(count(580, 240, 30, [&](int x, int y) { return light.at(x, y)[0] < 100; }) > 5);
+  // So is the bar.
+  const Picture lightBar = render("--scale-bar --background 255,255,255").first;
+  CHECK(count(60, 451, 8, [&](int x, int y) { return lightBar.at(x, y)[0] < 100; }) > 10);
+  CHECK(count(60, 451, 8, [&](int x, int y) { return bar.at(x, y)[0] > 150; }) > 10);
+  // Guides leave the legend and the bar as they are, and their letters have plates.
+  const auto near = [&](const std::string& guides) {
+    return render("--color height --background 255,255,255 --scale-bar --camera 'eye=0,40,150 target=0,0,0' " + guides)
+        .first;
+  };
+  const Picture without = near(""), axes = near("--guides axes,box,compass"), boxes = near("--guides box");
+  const auto isDark = [](const Picture& picture) {
+    return [&](int x, int y) { return picture.at(x, y)[0] < 60 && picture.at(x, y)[2] < 60; };
+  };
+  CHECK(count(610, 240, 25, isDark(axes)) <= count(610, 240, 25, isDark(without)) + 5);
+  CHECK(differing(axes, boxes, 62, 48, 40) > 400);  // the compass, on its plates
 }
 
 TEST_CASE("touch reports when the colours of a picture hide what was painted") {

@@ -58,7 +58,7 @@ struct Passes {
   // Results:
   WaterPass::Particles particles{};
   std::vector<std::uint32_t> fronts, sums, surface;
-  std::vector<UVec2> smoothed, shaded;
+  std::vector<UVec2> smoothed, tidied, shaded;
 
   std::uint32_t across() const { return size.width * size.supersample; }
   double focal_px() const { return camera.focal_px(size.height); }
@@ -135,6 +135,7 @@ class WaterFixture : public PictureFixture {
     p.fronts = download<std::uint32_t>(device, queue, pass.fronts(), pixels);
     p.sums = download<std::uint32_t>(device, queue, pass.sums(), pixels);
     p.smoothed = download<UVec2>(device, queue, pass.smoothed(), pixels);
+    p.tidied = download<UVec2>(device, queue, pass.tidied(), pixels);
     p.surface = download<std::uint32_t>(device, queue, pass.surface(), p.depths.size());
     p.shaded = download<UVec2>(device, queue, pass.shaded(), p.depths.size());
   }
@@ -214,6 +215,28 @@ Surface smoothedAlong(const Passes& p, const Surface& in, bool columns) {
   return out;
 }
 
+Surface tidied(const Passes& p, const Surface& in) {
+  Surface out = in;
+  const int width = static_cast<int>(p.size.width), height = static_cast<int>(p.size.height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double here = in.depth[static_cast<std::size_t>(y * width + x)];
+      if (here == kNone) continue;
+      const double ball_px = std::max(kRadius * p.unitPx(here), double{shared::kMinBall_px});
+      const int reach = static_cast<int>(
+          std::min(std::ceil(double{shared::kWaterTidy} * ball_px), double{shared::kMaxWaterTidy_px}));
+      double sum = 0, count = 0;
+      for (int v = y - reach; v <= y + reach; ++v)
+        for (int u = x - reach; u <= x + reach; ++u) {
+          const double there = in.depth[static_cast<std::size_t>(std::clamp(v, 0, height - 1) * width +
+                                                                 std::clamp(u, 0, width - 1))];
+          if (std::abs(there - here) <= double{shared::kWaterBand} * kRadius) sum += there, ++count;
+        }
+      out.depth[static_cast<std::size_t>(y * width + x)] = sum / count;
+    }
+  return out;
+}
+
 DVec3 lightOfWater(const DVec3& body, const DVec3& n, const DVec3& v) {
   const DVec3 sky(0.26, 0.29, 0.34), ground(0.12, 0.10, 0.09), key = glm::normalize(DVec3(-0.55, 0.66, -0.52));
   const DVec3 keyLight(0.95, 0.89, 0.80), mirrored = 2 * glm::dot(n, v) * n - v;
@@ -241,7 +264,8 @@ DVec4 composed(const Passes& p, const Surface& water, std::uint32_t x, std::uint
   const double fall =
       2.5066 * 0.5 * double{shared::kWaterSmooth} * std::max(kRadius * p.unitPx(depth), double{shared::kMinBall_px});
   const double cover = depth < kNone ? std::clamp(0.5 + (water.cover[pixel] - 0.5) * fall, 0.0, 1.0) : 0;
-  if (!(depth < end) || cover <= 0) return premultiplied(place);
+  const bool isSpread = p.fronts[pixel] == shared::kNoDepth && end < kNone;
+  if (!(depth < end) || cover <= 0 || isSpread) return premultiplied(place);
   const auto gentler = [&](double before, double after) {
     const double back = depth - before, forth = after - depth, step = std::abs(back) < std::abs(forth) ? back : forth;
     return std::isinf(step) ? 0.0 : step;
@@ -268,7 +292,7 @@ DVec4 composed(const Passes& p, const Surface& water, std::uint32_t x, std::uint
   const DVec4 behind = premultiplied(isBehind ? static_cast<std::size_t>(ty * width * ss + tx) : place);
   const DVec3 passes = glm::exp(-DVec3(shared::kWaterAbsorption) * thickness);
   const double reflectance = 0.02 + 0.98 * std::pow(1 - std::clamp(glm::dot(n, toViewer), 0.0, 1.0), 5);
-  const DVec3 light = lightOfWater((1.0 - passes) * DVec3(0.02, 0.16, 0.24), n, toViewer) +
+  const DVec3 light = lightOfWater((1.0 - passes) * DVec3(0.03, 0.24, 0.36), n, toViewer) +
                       (1 - reflectance) * passes * DVec3(behind);
   const double opacity = 1 - (1 - behind.a) * (1 - reflectance) * passes.g;
   return glm::mix(premultiplied(place), DVec4(light, opacity), cover);
@@ -327,7 +351,8 @@ TEST_CASE_FIXTURE(CoreValidated<WaterFixture>, "each pass of water is that of do
     wrong = 0;
     for (std::size_t i = 0; i < pixels; ++i) {
       const double front = gpu.depth[i];
-      if (front < kNone) smooth.depth[i] = std::clamp(smooth.depth[i], front - kRadius, front + kRadius);
+      if (front < kNone) smooth.depth[i] = std::clamp(smooth.depth[i], front - double{shared::kWaterNearer} * kRadius,
+                                                         front + double{shared::kWaterFarther} * kRadius);
       const Vec2 amount = glm::unpackHalf2x16(p.smoothed[i].y);
       ofGpu.depth[i] = double{std::bit_cast<float>(p.smoothed[i].x)};
       ofGpu.thickness[i] = double{amount.x}, ofGpu.cover[i] = double{amount.y};
@@ -335,6 +360,15 @@ TEST_CASE_FIXTURE(CoreValidated<WaterFixture>, "each pass of water is that of do
                                                  : std::abs(ofGpu.depth[i] - smooth.depth[i]) < 1e-3;
       wrong += !same || std::abs(ofGpu.thickness[i] - smooth.thickness[i]) > 1e-3 ||
                std::abs(ofGpu.cover[i] - smooth.cover[i]) > 2e-3;
+    }
+    CHECK(wrong <= pixels / 200);
+
+    const Surface tidy = tidied(p, ofGpu);
+    wrong = 0;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      ofGpu.depth[i] = double{std::bit_cast<float>(p.tidied[i].x)};
+      wrong += tidy.depth[i] == kNone ? ofGpu.depth[i] != kNone : !(std::abs(ofGpu.depth[i] - tidy.depth[i]) < 1e-3);
+      CHECK(p.tidied[i].y == p.smoothed[i].y);
     }
     CHECK(wrong <= pixels / 200);
 
@@ -372,7 +406,7 @@ TEST_CASE_FIXTURE(WaterFixture, "water is as thick as it is, and lets through wh
     constexpr double kCount = (kTo - kFrom) * (kTo - kFrom);
     CHECK(thickness / kCount == near(kSpacing * layers, 0.03));
     const DVec3 passes = glm::exp(-DVec3(shared::kWaterAbsorption) * (kSpacing * layers / p.particles.side));
-    const DVec3 own = lightOfWater((1.0 - passes) * DVec3(0.02, 0.16, 0.24), {0, 0, -1}, {0, 0, -1});
+    const DVec3 own = lightOfWater((1.0 - passes) * DVec3(0.03, 0.24, 0.36), {0, 0, -1}, {0, 0, -1});
     for (int k = 0; k < 3; ++k) CHECK(light[k] / kCount == within(own[k] + 0.98 * passes[k], 0.03));
   }
 }
@@ -383,7 +417,7 @@ FrameOptions waterOptions(std::uint32_t standing = 0) {
   FrameOptions options;
   options.light.material = Material::water;
   options.particles = {.radius = kRadius, .spacing = kSpacing, .standing = standing};
-  options.splatRadius = 0.1;
+  options.splatRadius = kRadius;
   return options;
 }
 
@@ -443,7 +477,7 @@ TEST_CASE_FIXTURE(CoreValidated<WaterFixture>, "what stands before water hides i
   CHECK_FALSE(showsWater(heights));
 }
 
-TEST_CASE_FIXTURE(WaterFixture, "the surface of water is within a radius of its balls, and hidden particles are left out") {
+TEST_CASE_FIXTURE(WaterFixture, "the surface of water passes its particles closely, and hidden ones are left out") {
   PointCloud cloud = lattice({-0.5, -0.5, -0.3}, {10, 10, 6});
   const Camera camera = fromFront();
   DrawnCloud drawn(device, cloud);
@@ -455,15 +489,17 @@ TEST_CASE_FIXTURE(WaterFixture, "the surface of water is within a radius of its 
   p.particles.side = 2;
   p.depths.assign(std::size_t{4} * 95 * 71, shared::kNoDepth);
   const Surface balls = ballsOf(p);
-  std::size_t seen = 0;
+  std::size_t seen = 0, off = 0;
   for (std::uint32_t y = 0; y < 71; ++y)
     for (std::uint32_t x = 0; x < 95; ++x) {
       const double ball = balls.depth[std::size_t{y} * 95 + x], depth = double{depths.at(x, y)};
       if (depth == 0 || ball == kNone) continue;
       ++seen;
-      CHECK(depth == within(ball, 1.001 * kRadius));
+      off += std::abs(depth - ball) > kRadius;
+      CHECK(depth == within(ball, 2.5 * kRadius));
     }
   CHECK(seen > 300);
+  CHECK(off < seen / 20);
   const Image shown = frame.readColor();
   const std::vector<AttributeChange> hides{
       MaskFlip{.role = MaskRole::hidden, .points = PointSet::range(0, cloud.size())}};

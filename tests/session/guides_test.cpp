@@ -96,6 +96,29 @@ TEST_CASE("a compass is in the corner of the picture, whatever the camera looks 
   CHECK(none.linesWith({}, Camera(), UVec2(9)) == nullptr);
 }
 
+TEST_CASE("labels cover neither each other nor what has its room, but for the letters of the compass") {
+  LabelRoom room;
+  room.reserve({80, 40}, {100, 90});  // a legend
+  const PictureLabel length{{20, 20}, "5 m"}, letter{{20, 20}, "x", true};
+  CHECK(room.admits(length, {10, 10}, {30, 20}));
+  CHECK_FALSE(room.admits(length, {29, 19}, {50, 30}));  // on the first one
+  CHECK(room.admits(length, {30, 10}, {50, 20}));        // beside it
+  CHECK_FALSE(room.admits(length, {70, 80}, {81, 95}));  // on the legend
+  CHECK_FALSE(room.admits(length, {85, 50}, {90, 60}));  // within it
+  CHECK_FALSE(room.admits(length, {70, 30}, {110, 99}));
+  CHECK(room.admits(length, {70, 30}, {80, 99}));
+  CHECK(room.admits(letter, {12, 12}, {18, 18}));
+  CHECK_FALSE(room.admits(length, {0, 12}, {13, 14}));
+
+  // The compass has its room before the lengths.
+  const PictureGuides all({.box = true, .compass = true}, boxModel(), UpAxis::z, LengthUnit::m);
+  Camera camera{.eye = {20, 5, 100}, .target = {6, 2, 100}};
+  camera.setDepthRange({{0, 0, 98}, {13, 5, 102}}, 13);
+  const std::vector<PictureLabel> labels = all.labelsIn(camera, {800, 600});
+  REQUIRE(labels.size() > 3);
+  for (std::size_t k = 0; k < labels.size(); ++k) CHECK(labels[k].always == (k < 3));
+}
+
 TEST_CASE("guides of a model of one point, or of none, are empty but for the compass") {
   Model one;
   one.cloud.positions.push_back(Vec3(1, 2, 3));
