@@ -46,17 +46,19 @@ vec3 litMetal(vec3 albedo, vec3 normal, vec3 toViewer, float access) {
 float waterReflectance(vec3 normal, vec3 toViewer) {
   return kWaterReflectance + (1 - kWaterReflectance) * pow(1 - clamp(dot(normal, toViewer), 0, 1), 5);
 }
-// `body`: the colour of what is in the water, which the sky and the key light shine on.
-vec3 litWater(vec3 body, vec3 normal, vec3 toViewer) {
+// `body`: the colour of what is in the water, which the sky and the key light shine on; `gloss`: strength of the
+// highlight.
+vec3 litWater(vec3 body, vec3 normal, vec3 toViewer, float gloss) {
   const vec3 key = normalize(kKeyDirection);
   const vec3 mirrored = reflect(-toViewer, normal);
   const vec3 around = kWaterEnvironment * mix(kGround, kSky, smoothstep(-0.4, 0.6, mirrored.y));
   const vec3 inside = body * (mix(kGround, kSky, 0.5 + 0.5 * normal.y) + 0.6 * kKeyLight * max(dot(normal, key), 0));
   const float highlight = pow(max(dot(normal, normalize(key + toViewer)), 0), kWaterShininess);
   const float reflectance = waterReflectance(normal, toViewer);
-  return mix(inside, around, reflectance) + kWaterHighlight * kKeyLight * highlight;
+  return mix(inside, around, reflectance) + gloss * kWaterHighlight * kKeyLight * highlight;
 }
 
+// What stands in water is clay.
 vec3 litAs(uint material, vec3 albedo, vec3 normal, vec3 toViewer, float access) {
   switch (material) {
     case kMaterialStone:
@@ -65,8 +67,6 @@ vec3 litAs(uint material, vec3 albedo, vec3 normal, vec3 toViewer, float access)
       return litPlaster(albedo, normal, access);
     case kMaterialMetal:
       return litMetal(albedo, normal, toViewer, access);
-    case kMaterialWater:
-      return litWater(albedo, normal, toViewer);
     case kMaterialUnlit:
       return albedo * mix(kUnlitHollow, 1.0, access);
   }

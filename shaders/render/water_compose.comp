@@ -57,7 +57,9 @@ void main() {
   const vec4 behind = lightAt(depthBehind(shifted) > depth ? shifted : place), beside = lightAt(place);
   const vec3 passes = exp(-kWaterAbsorption * amount.x);
   const float reflectance = waterReflectance(normal, toViewer);
-  const vec3 own = litWater((1 - passes) * kWaterBody, normal, toViewer);
+  // At the rim depths are those of pixels beside it, and would glitter.
+  const float gloss = clamp(2 * amount.y - 1, 0, 1);
+  const vec3 own = litWater((1 - passes) * kWaterBody, normal, toViewer, gloss);
   // Light times opacity; what is behind the picture shines through as far as it does in green.
   const vec3 inWater = own + (1 - reflectance) * passes * behind.rgb * behind.a;
   const float opacity = 1 - (1 - behind.a) * (1 - reflectance) * passes.g;

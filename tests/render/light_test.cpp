@@ -81,6 +81,7 @@ DVec3 lightOf(Material material, const DVec3& albedo, const DVec3& n, const DVec
   const double half = std::max(glm::dot(n, glm::normalize(lights.key + v)), 0.0);
   switch (material) {
     case Material::clay:
+    case Material::water:  // of what stands in it
       return albedo * (lights.keyLight * key + ambient) +
              lights.keyLight * 0.16 * std::pow(half, 36) * std::min(4 * key, 1.0);
     case Material::stone: {
@@ -106,14 +107,6 @@ DVec3 lightOf(Material material, const DVec3& albedo, const DVec3& n, const DVec
     }
     case Material::unlit:
       return albedo;
-    case Material::water: {  // of a disc: its colour below a wet surface
-      const DVec3 mirrored = 2 * glm::dot(n, v) * n - v;
-      const double t = std::clamp((mirrored.y + 0.4) / 1.0, 0.0, 1.0);
-      const double reflectance = 0.02 + 0.98 * std::pow(1 - std::clamp(glm::dot(n, v), 0.0, 1.0), 5);
-      return glm::mix(albedo * (around + 0.6 * lights.keyLight * key),
-                      2.4 * glm::mix(lights.ground, lights.sky, t * t * (3 - 2 * t)), reflectance) +
-             0.9 * lights.keyLight * std::pow(half, 120);
-    }
   }
   return {};
 }

@@ -237,7 +237,7 @@ Surface tidied(const Passes& p, const Surface& in) {
   return out;
 }
 
-DVec3 lightOfWater(const DVec3& body, const DVec3& n, const DVec3& v) {
+DVec3 lightOfWater(const DVec3& body, const DVec3& n, const DVec3& v, double gloss = 1) {
   const DVec3 sky(0.26, 0.29, 0.34), ground(0.12, 0.10, 0.09), key = glm::normalize(DVec3(-0.55, 0.66, -0.52));
   const DVec3 keyLight(0.95, 0.89, 0.80), mirrored = 2 * glm::dot(n, v) * n - v;
   const double t = std::clamp((mirrored.y + 0.4) / 1.0, 0.0, 1.0);
@@ -246,7 +246,7 @@ DVec3 lightOfWater(const DVec3& body, const DVec3& n, const DVec3& v) {
       body * (glm::mix(ground, sky, 0.5 + 0.5 * n.y) + 0.6 * keyLight * std::max(glm::dot(n, key), 0.0));
   const double reflectance = 0.02 + 0.98 * std::pow(1 - std::clamp(glm::dot(n, v), 0.0, 1.0), 5);
   return glm::mix(inside, around, reflectance) +
-         0.9 * keyLight * std::pow(std::max(glm::dot(n, glm::normalize(key + v)), 0.0), 120);
+         gloss * 0.9 * keyLight * std::pow(std::max(glm::dot(n, glm::normalize(key + v)), 0.0), 120);
 }
 
 /// Light times opacity of a sample, and opacity; from the smoothed surface of the GPU.
@@ -292,7 +292,8 @@ DVec4 composed(const Passes& p, const Surface& water, std::uint32_t x, std::uint
   const DVec4 behind = premultiplied(isBehind ? static_cast<std::size_t>(ty * width * ss + tx) : place);
   const DVec3 passes = glm::exp(-DVec3(shared::kWaterAbsorption) * thickness);
   const double reflectance = 0.02 + 0.98 * std::pow(1 - std::clamp(glm::dot(n, toViewer), 0.0, 1.0), 5);
-  const DVec3 light = lightOfWater((1.0 - passes) * DVec3(0.03, 0.24, 0.36), n, toViewer) +
+  const double gloss = std::clamp(2 * water.cover[pixel] - 1, 0.0, 1.0);
+  const DVec3 light = lightOfWater((1.0 - passes) * DVec3(0.03, 0.24, 0.36), n, toViewer, gloss) +
                       (1 - reflectance) * passes * DVec3(behind);
   const double opacity = 1 - (1 - behind.a) * (1 - reflectance) * passes.g;
   return glm::mix(premultiplied(place), DVec4(light, opacity), cover);
