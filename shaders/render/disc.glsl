@@ -79,9 +79,6 @@ PixelBox boxOf(RenderView view, Disc disc) {
                   min(max(last, disc.centerPixel), ivec2(view.size_px) - 1));
 }
 
-// Below the depth of every fragment of a disc, whatever rounding does.
-float nearestDepth(Disc disc) { return disc.center.z - disc.radius - 1e-5 * disc.center.z; }
-
 struct Fragment {
   float depth;   // eye space, in the disc's plane
   float weight;  // the disc's trust in its middle, kRimWeight times that at its rim

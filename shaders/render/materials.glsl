@@ -7,7 +7,7 @@
 const float kStoneRoughness = 0.6;  // standard deviation of the slopes of its facets, radians
 const float kPlasterWrap = 0.4;     // how far light reaches around it
 const float kMetalEnvironment = 2.1, kMetalHighlight = 1.6, kMetalDiffuse = 0.25, kMetalShininess = 60;
-const vec3 kWaterBody = vec3(0.03, 0.24, 0.36);  // what deep water sends back
+const vec3 kWaterBody = vec3(0.02, 0.20, 0.40);  // what deep water sends back
 const float kWaterEnvironment = 2.4, kWaterHighlight = 0.9, kWaterShininess = 120;
 const float kUnlitHollow = 0.35;  // light that is left in a hollow without any sky
 

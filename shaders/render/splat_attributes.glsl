@@ -12,7 +12,6 @@ void main() {
   if (!loadSplat(view, kLarge, splat)) return;
   const float inverseRadiusSquared = 1 / (splat.disc.radius * splat.disc.radius);
   const float band = kDepthBand * splat.disc.radius;
-  const float nearest = nearestDepth(splat.disc);
   const float scale = args.counts.at[0].sumScale;
   // If many points make the unit coarse, at most the weight of a rim.
   const float leastWeight = min(kMinWeight / scale, kRimWeight);
@@ -20,12 +19,10 @@ void main() {
   const vec3 color = hasColors ? unpackUnorm4x8(shownColor(args.frame, args.colors, splat.point)).rgb : vec3(0);
   const uint samples = view.size_px.x * view.size_px.y;
   for (; splat.pixel.y <= splat.box.last.y; goOn(splat)) {
-    const uint place = uint(splat.pixel.y) * view.size_px.x + uint(splat.pixel.x);
-    const float farthest = uintBitsToFloat(args.depth.at[place]) + band;
-    if (nearest > farthest) continue;
     Fragment fragment;
     if (!coverPixel(view, splat.disc, inverseRadiusSquared, splat.pixel, fragment)) continue;
-    if (fragment.depth > farthest) continue;
+    const uint place = uint(splat.pixel.y) * view.size_px.x + uint(splat.pixel.x);
+    if (fragment.depth > uintBitsToFloat(args.depth.at[place]) + band) continue;
     const float weight = max(fragment.weight, leastWeight);
     addNormal(args.normalSums, place, weight, splat.disc.shading, scale);
     if (hasColors) addColor(args.colorSums, place, samples, weight, color, scale);

@@ -11,15 +11,12 @@ void main() {
   Splat splat;
   if (!loadSplat(view, kLarge, splat)) return;
   const float inverseRadiusSquared = 1 / (splat.disc.radius * splat.disc.radius);
-  const float nearest = nearestDepth(splat.disc);
   for (; splat.pixel.y <= splat.box.last.y; goOn(splat)) {
-    const uint place = uint(splat.pixel.y) * view.size_px.x + uint(splat.pixel.x);
-    // The plain read may be stale, but depths only fall, so it never skips the nearest.
-    const float sofar = uintBitsToFloat(args.depth.at[place]);
-    if (nearest > sofar) continue;
     Fragment fragment;
     if (!coverPixel(view, splat.disc, inverseRadiusSquared, splat.pixel, fragment)) continue;
+    const uint place = uint(splat.pixel.y) * view.size_px.x + uint(splat.pixel.x);
     const uint bits = floatBitsToUint(fragment.depth);
-    if (fragment.depth < sofar) atomicMin(args.depth.at[place], bits);
+    // The plain read may be stale, but depths only fall, so it never skips the nearest.
+    if (bits < args.depth.at[place]) atomicMin(args.depth.at[place], bits);
   }
 }

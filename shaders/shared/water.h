@@ -31,7 +31,7 @@ const float kWaterFarther = 2;
 const float kWaterTidy = 0.4f;
 const uint kMaxWaterTidy_px = 6;
 // Light that one longest side of the model absorbs: exponents of red, green and blue (Beer and Lambert).
-const vec3 kWaterAbsorption = vec3(9.0f, 3.0f, 1.7f);
+const vec3 kWaterAbsorption = vec3(9.0f, 3.0f, 1.3f);
 // Reflectance at right angles (Schlick 1994), by an index of refraction of 1.33.
 const float kWaterReflectance = 0.02f;
 // Sideways shift of what is seen through water, of its thickness, by the slope of its surface: (1.33 - 1) / 1.33.

@@ -293,7 +293,7 @@ DVec4 composed(const Passes& p, const Surface& water, std::uint32_t x, std::uint
   const DVec3 passes = glm::exp(-DVec3(shared::kWaterAbsorption) * thickness);
   const double reflectance = 0.02 + 0.98 * std::pow(1 - std::clamp(glm::dot(n, toViewer), 0.0, 1.0), 5);
   const double gloss = std::clamp(2 * water.cover[pixel] - 1, 0.0, 1.0);
-  const DVec3 light = lightOfWater((1.0 - passes) * DVec3(0.03, 0.24, 0.36), n, toViewer, gloss) +
+  const DVec3 light = lightOfWater((1.0 - passes) * DVec3(0.02, 0.20, 0.40), n, toViewer, gloss) +
                       (1 - reflectance) * passes * DVec3(behind);
   const double opacity = 1 - (1 - behind.a) * (1 - reflectance) * passes.g;
   return glm::mix(premultiplied(place), DVec4(light, opacity), cover);
@@ -407,7 +407,7 @@ TEST_CASE_FIXTURE(WaterFixture, "water is as thick as it is, and lets through wh
     constexpr double kCount = (kTo - kFrom) * (kTo - kFrom);
     CHECK(thickness / kCount == near(kSpacing * layers, 0.03));
     const DVec3 passes = glm::exp(-DVec3(shared::kWaterAbsorption) * (kSpacing * layers / p.particles.side));
-    const DVec3 own = lightOfWater((1.0 - passes) * DVec3(0.03, 0.24, 0.36), {0, 0, -1}, {0, 0, -1});
+    const DVec3 own = lightOfWater((1.0 - passes) * DVec3(0.02, 0.20, 0.40), {0, 0, -1}, {0, 0, -1});
     for (int k = 0; k < 3; ++k) CHECK(light[k] / kCount == within(own[k] + 0.98 * passes[k], 0.03));
   }
 }
