@@ -27,7 +27,7 @@ if(PALPATE_SIMULATION)
                 ALSO ${matter_truths})
 endif()
 palpate_tests(render LINKS palpate::render third_party::stb WITH render/splat_radius_reference.cpp
-                      render/gaussian_reference.cpp)
+                      render/gaussian_reference.cpp render/water_reference.cpp)
 if(TARGET palpate_library)
   palpate_tests(library_gpu LINKS ${library_links} third_party::volk)
 endif()

@@ -13,9 +13,12 @@ namespace palpate {
 namespace {
 
 // RGBA8 of points without colour, by material.
-constexpr std::array<std::uint32_t, 6> kBaseColors{shared::kUnpainted, packedColor({173, 170, 164, 255}),
-                                                   packedColor({229, 226, 221, 255}), packedColor({188, 188, 189, 255}),
-                                                   shared::kUnpainted, packedColor({70, 128, 160, 255})};
+constexpr std::array<std::uint32_t, 6> kBaseColors{shared::kUnpainted,
+                                                   packedColor({173, 170, 164, 255}),
+                                                   packedColor({229, 226, 221, 255}),
+                                                   packedColor({188, 188, 189, 255}),
+                                                   shared::kUnpainted,
+                                                   packedColor({70, 128, 160, 255})};
 const Vec3 kBackgroundTop(0.020f, 0.024f, 0.033f);
 const Vec3 kBackgroundBottom(0.115f, 0.125f, 0.145f);
 constexpr double kDiscThickness = 0.12;  // of its radius

@@ -71,8 +71,7 @@ void Shading::record(CommandList& list, const RasterTarget& target, const Camera
   const DeviceAddress depth = options.smooth_px > 0 ? recordSmoothing(list, target) : target.depth;
   const auto section = list.section("shade");
   recordShade(list, target, depth, options.pass == ImagePass::final ? options.light : Light());
-  if (over.ground)
-    over.ground->recordShadow(list, target, source_.address(), depth, shaded_.address(), samples());
+  if (over.ground) over.ground->recordShadow(list, target, source_.address(), depth, shaded_.address(), samples());
   if (over.gaussians) over.gaussians->blend(list, shaded_.address());
   shared::ResolveArgs resolve{.frame = target.frame,
                               .source = source_.address(),

@@ -11,7 +11,7 @@ constexpr double kAroundLone = 1, kLone = 0.3;
 
 // Points of a file fill a volume only if its user says so (Material::water).
 Particles particlesOf(const Model& model) {
-  return {.radius = kWaterRadius_spacings * model.spacing,
+  return {.radius = model.discRadius() > 0 ? model.discRadius() : kWaterRadius_spacings * model.spacing,
           .spacing = model.spacing,
           .standing = static_cast<std::uint32_t>(model.standing())};
 }

@@ -43,9 +43,9 @@ struct LightFor {
   bool barePoints = false;  ///< points are drawn without discs
 };
 /// The same rule for the window, its saved pictures and the command line. Material: water for the particles of water
-/// unless they are drawn as bare points, unlit if the file has colours and its normals are estimates, else clay. The others: on unless the driver is software, which would be too slow; of
-/// unlit colours, only the ground. Eye-dome light: for what has no other light: on for such colours, and for bare
-/// points unless the driver is software.
+/// unless they are drawn as bare points, unlit if the file has colours and its normals are estimates, else clay. The
+/// others: on unless the driver is software, which would be too slow; of unlit colours, only the ground. Eye-dome
+/// light: for what has no other light: on for such colours, and for bare points unless the driver is software.
 Light lightOf(const LightConfig& config, const Model& model, const LightFor& picture);
 
 /// For FrameOptions::gaussians: auto draws them if the file has them and points with discs are drawn.

@@ -41,7 +41,7 @@ struct CameraPoints {
   std::shared_ptr<PlayedStream> stream;
 };
 
-/// Radius of a particle in a picture, in spacings: two thirds would close a lattice at rest, and water is not one.
+/// Radius of a particle in a picture, in spacings: two thirds would close a lattice at rest. Of a file: wider.
 inline constexpr double kParticleRadius_spacings = 0.85, kWaterRadius_spacings = 1.1;
 
 /// Water or sand, as a point for each particle; model units.

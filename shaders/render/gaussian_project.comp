@@ -46,7 +46,7 @@ mat3 turnOf(vec3 normal, vec3 normalNow, vec3 beside, vec3 besideNow) {
   return mat3(now, cross(normalNow, now), normalNow) * transpose(mat3(x, cross(normal, x), normal));
 }
 
-// By what factor the surface around a point has grown: that of a triangle with two others, if it kept its shape; else 1.
+// By what factor the surface around a point has grown: as a triangle with two others, if it kept its shape; else 1.
 float growthOf(vec3 a, vec3 aNow, vec3 b, vec3 bNow) {
   const vec3 before = vec3(dot(a, a), dot(b, b), dot(a - b, a - b));
   const vec3 ratios = vec3(dot(aNow, aNow), dot(bNow, bNow), dot(aNow - bNow, aNow - bNow)) / before;

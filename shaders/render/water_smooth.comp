@@ -79,7 +79,8 @@ void main() {
   float depth = depthWeights > 0 ? depths / depthWeights : uintBitsToFloat(kNoDepth);
   if (kAlongColumns != 0) {
     const float front = uintBitsToFloat(args.fronts.at[place]);
-    if (front < kBackground) depth = clamp(depth, front - kWaterNearer * args.radius, front + kWaterFarther * args.radius);
+    if (front < kBackground)
+      depth = clamp(depth, front - kWaterNearer * args.radius, front + kWaterFarther * args.radius);
   }
   const uvec2 result = uvec2(floatBitsToUint(depth), packHalf2x16(amounts / amountWeights));
   if (kAlongColumns != 0) args.smoothed.at[place] = result;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Water, pass 4: the smoothed depths, averaged once more over a small square around each pixel, without what is far from
-// it: rows and columns by themselves leave streaks (Truong and Yuksel 2018, section 4.3).
+// Water, pass 4: the smoothed depths, averaged once more over a small square around each pixel, without what is far
+// from it: rows and columns by themselves leave streaks.
 #include "shaders/render/water.glsl"
 
 void main() {

@@ -13,9 +13,9 @@ const uint kSmallSplat = 16;
 const uint kSplatTileWidth = 16;
 const uint kSplatTileHeight = 8;
 const uint kSplatWalkers = 8;
-// Capacity of the lists for tiles of all splats. If there are more, in a dense cluster of discs before the eye, all large
-// splats are smaller by the same factor, so that as many tiles would do; they still cover the picture many times. Each
-// then has the same number of shares, which walk no more than kCrowdedRounds samples for each invocation.
+// Capacity of the lists for tiles of all splats. If there are more, in a dense cluster of discs before the eye, all
+// large splats are smaller by the same factor, so that as many tiles would do; they still cover the picture many times.
+// Each then has the same number of shares, which walk no more than kCrowdedRounds samples for each invocation.
 const uint kMaxShares = 1u << 20;
 const uint kCrowdedRounds = 512;
 const uint kSharesInBlock = 64;  // unit in which tiles are counted then

@@ -23,8 +23,7 @@ const float kWaterRim = 1;
 // Radius of the window of the smoothing, standard deviations and pixels: the trip count is twice this.
 const float kWaterWindow = 2;
 const uint kMaxWaterReach_px = 48;
-// In radii: how much nearer and farther than the front of its balls the surface may be, so that it passes them, and its
-// particles are within that distance from it.
+// In radii: how much nearer and farther than the front of its balls the surface may be, so that it passes them.
 const float kWaterNearer = 0.5f;
 const float kWaterFarther = 2;
 // Radius of the last, square window, which removes the streaks that rows and columns leave: of a ball, and pixels.
@@ -43,18 +42,19 @@ struct WaterArgs {
   PALPATE_ADDRESS(Uints) source;  // of what is not water, as in ShadeArgs, like the depth
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(Vec4s) positions;
-  PALPATE_ADDRESS(Uints) fronts;   // bits of the depth of the nearest ball, kNoDepth: none
-  PALPATE_ADDRESS(Uints) sums;     // thickness of all balls before what is not water, in 1 / unitsInLength
-  PALPATE_ADDRESS(UVec2s) across;  // smoothed along rows, and at last in squares: bits of the depth; thickness and cover as two half floats
-  PALPATE_ADDRESS(UVec2s) smoothed; // and along columns
-  PALPATE_ADDRESS(UVec2s) behind;  // one per sample: light of what is not water
-  PALPATE_ADDRESS(UVec2s) shaded;  // out, one per sample: light of the picture
-  PALPATE_ADDRESS(Uints) surface;  // out, one per sample: bits of the depth of the visible surface
-  uint count;                      // the first points of the cloud are the particles
-  float radius;                    // of their balls, model units
-  float share;                     // of a ball that is its particle's own: balls overlap
-  float unitsInLength;             // fixed-point unit of `sums`, in one model unit
-  float side;                      // longest side of the model, model units: unit of thickness
+  PALPATE_ADDRESS(Uints) fronts;  // bits of the depth of the nearest ball, kNoDepth: none
+  PALPATE_ADDRESS(Uints) sums;    // thickness of all balls before what is not water, in 1 / unitsInLength
+  PALPATE_ADDRESS(UVec2s)
+  across;  // smoothed along rows, and at last in squares: bits of the depth; thickness and cover as two half floats
+  PALPATE_ADDRESS(UVec2s) smoothed;  // and along columns
+  PALPATE_ADDRESS(UVec2s) behind;    // one per sample: light of what is not water
+  PALPATE_ADDRESS(UVec2s) shaded;    // out, one per sample: light of the picture
+  PALPATE_ADDRESS(Uints) surface;    // out, one per sample: bits of the depth of the visible surface
+  uint count;                        // the first points of the cloud are the particles
+  float radius;                      // of their balls, model units
+  float share;                       // of a ball that is its particle's own: balls overlap
+  float unitsInLength;               // fixed-point unit of `sums`, in one model unit
+  float side;                        // longest side of the model, model units: unit of thickness
   uint unused;
 };
 PALPATE_SIZE(WaterArgs, 112);

@@ -152,8 +152,7 @@ TEST_CASE_FIXTURE(PictureFixture, "each material sends the light to the eye as i
   const std::array<std::uint8_t, 4> color{190, 120, 90, 255};
   const DVec3 albedo(linear(190 / 255.0), linear(120 / 255.0), linear(90 / 255.0));
   for (const Material material :
-       {Material::clay, Material::stone, Material::plaster, Material::metal, Material::unlit,
-        Material::water}) {
+       {Material::clay, Material::stone, Material::plaster, Material::metal, Material::unlit, Material::water}) {
     CAPTURE(static_cast<int>(material));
     for (const DVec3& normal : {DVec3(0, 0, 1), DVec3(-0.5, 0.6, 0.7), DVec3(0.7, -0.2, 0.6), DVec3(0.1, -0.8, 0.6)}) {
       const DVec3 unit = glm::normalize(normal);

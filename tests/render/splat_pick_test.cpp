@@ -160,13 +160,13 @@ TEST_CASE_FIXTURE(SplatPickFixture, "a disc that fills the picture is whole, how
   camera.nearDepth = 0.1;
   for (const UVec2 size_px : {UVec2(2200, 3), UVec2(3, 2200), UVec2(1300, 20)}) {
     Frame frame(device, size_px.x, size_px.y, 1);
-    const Shot shot =
-        shoot(frame, DrawnCloud(device, cloud), camera, {.splatRadius = 3000, .closeHoles = false});
+    const Shot shot = shoot(frame, DrawnCloud(device, cloud), camera, {.splatRadius = 3000, .closeHoles = false});
     CHECK(std::ranges::all_of(shot.depths.depth, [](float d) { return d > 0; }));
   }
 }
 
-TEST_CASE_FIXTURE(SplatPickFixture, "a crowd of discs that fill the picture still covers it, with round discs" * kFull) {
+TEST_CASE_FIXTURE(SplatPickFixture,
+                  "a crowd of discs that fill the picture still covers it, and they are round" * kFull) {
   // More than 2,048 discs of 512 tiles each exceed the capacity for shares.
   constexpr std::uint32_t kSide = 256;
   PointCloud cloud;
@@ -179,8 +179,7 @@ TEST_CASE_FIXTURE(SplatPickFixture, "a crowd of discs that fill the picture stil
     PointCloud some = cloud;
     some.positions.resize(count);
     some.normals.resize(count);
-    const Shot shot =
-        shoot(frame, DrawnCloud(device, some), camera, {.splatRadius = 5, .closeHoles = false});
+    const Shot shot = shoot(frame, DrawnCloud(device, some), camera, {.splatRadius = 5, .closeHoles = false});
     return static_cast<std::size_t>(std::ranges::count_if(shot.depths.depth, [](float d) { return d > 0; }));
   };
   CHECK(covered(2100) == kSide * kSide);

@@ -35,9 +35,9 @@ typedef struct pp_picture_options {
   /** "LOW,HIGH" of a field: the numbers at the ends of the colours, or percentiles as 2%,98%; null or "auto": those
    * percentiles, and of classes all */
   const char* color_range;
-  const char* material; /**< "clay", "stone", "plaster", "metal", "unlit", "water" (of particles that fill a volume); null
-                           or "auto": water for a scene of it, unlit for a file with colours and without normals, else
-                           clay */
+  const char* material;   /**< "clay", "stone", "plaster", "metal", "unlit", "water" (of particles that fill a volume);
+                             null or "auto": water for a scene of it, unlit for a file with colours and without normals,
+                             else clay */
   const char* occlusion;  /**< hollows are darker: "on", "off"; null or "auto": off on software drivers */
   const char* cavity;     /**< grooves are darker: likewise */
   const char* ground;     /**< shadow on a ground below the model, which is not felt: likewise */
