@@ -5,10 +5,21 @@
 namespace palpate {
 
 /// Position of the device in the model, through a clutch: while it is drawn the HIP stays and only the hand moves, so
-/// that a small workspace reaches all of a large model.
+/// that a small workspace reaches all of a large model. A gain makes the HIP move more or less than the hand.
 class Clutch {
  public:
-  explicit Clutch(const WorkspaceMap& map) : map_(map) {}
+  explicit Clutch(const WorkspaceMap& map, double gain = 1)
+      : map_{.scale = gain * map.scale, .offset = map.offset}, usualScale_(map.scale) {}
+
+  /// From now on, about the HIP at that position of the device, which stays.
+  void setGain(double gain, const DVec3& device) noexcept {
+    if (gain * usualScale_ == map_.scale) return;
+    const DVec3 hip = map_.toModel(device);
+    map_.scale = gain * usualScale_;
+    map_.offset = hip - map_.scale * device;
+  }
+  /// Model units per device unit.
+  double scale() const noexcept { return map_.scale; }
 
   /// `device`: in its own unit. Returns the HIP, model units.
   DVec3 toModel(const DVec3& device, bool drawn) noexcept {
@@ -28,6 +39,7 @@ class Clutch {
 
  private:
   WorkspaceMap map_;
+  double usualScale_;  // with the gain 1
   bool drawn_ = false;
   DVec3 hip_{0};  // while the clutch is drawn
 };

@@ -43,7 +43,9 @@ void ForceLaw::limitTo(double peakForce_N, double stiffness_N_per_mm) noexcept {
   // Written so that a limit that is not a number allows no force at all.
   const auto limited = [](double wanted, double most) { return most >= 0 ? std::min(wanted, most) : 0; };
   options_.maxForce_N = limited(options_.maxForce_N, peakForce_N);
-  options_.stiffness_N_per_mm = limited(options_.stiffness_N_per_mm, stiffness_N_per_mm);
+  // A hand that moves the stylus further than itself feels a stiffer spring.
+  const double mostOfStylus_N_per_mm = stiffness_N_per_mm / std::max(1.0, options_.handGain);
+  options_.stiffness_N_per_mm = limited(options_.stiffness_N_per_mm, mostOfStylus_N_per_mm);
 }
 
 void ForceLaw::reset() noexcept {

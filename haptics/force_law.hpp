@@ -11,6 +11,9 @@
 
 namespace palpate {
 
+/// Bounds of ForceOptions::handGain.
+inline constexpr double kMinHandGain = 0.05, kMaxHandGain = 4;
+
 struct ForceOptions {
   double stiffness_N_per_mm = 0.8;
   double damping_N_s_per_mm = 0.002;
@@ -20,6 +23,8 @@ struct ForceOptions {
   double maxRise_N_per_s = 600;
   /// Maximum power of a moving surface on the hand: its velocity times the force. 2 N at half a metre per second.
   double maxSurfacePower_W = 1;
+  /// Motion of the stylus for a motion of a hand that holds the device (Clutch): 1 at the scale of the workspace.
+  double handGain = 1;
 
   bool operator==(const ForceOptions&) const = default;
 };

@@ -40,9 +40,14 @@ HandCounts Hand::counts() const {
 
 void Hand::begin() {
   force_.begin();
-  clutch_ = Clutch(map_);
+  clutch_ = Clutch(map_, gainOf(force_.law().options()));
   felt_ = {.asked_N = 0, .got_N = 0};
   lastPosition_.reset();
+}
+
+void Hand::setForce(const ForceOptions& options) noexcept {
+  force_.setOptions(options);
+  clutch_.setGain(gainOf(options), state_.position);
 }
 
 bool Hand::read(double time_s) noexcept {
@@ -72,7 +77,7 @@ void Hand::feel(const Contact& answer, std::span<const PointContact> points, con
                .isOff = clutch_.isDrawn() || device().isStopped(),
                .jumped = hasJumped(state_.position, dt_s)});
   const Contact& felt = force_.contact();
-  const DVec3 toProxy = (felt.proxy - hip_) / map_.scale;
+  const DVec3 toProxy = (felt.proxy - hip_) / clutch_.scale();
   device_->feel(felt.touching ? std::optional(toProxy) : std::nullopt);
 }
 

@@ -61,8 +61,9 @@ class Hand {
   /// Records this tick.
   void note(TraceRow& row) const noexcept;
 
-  /// Replaces the options of its force law, within the limits of its device. Between ticks.
-  void setForce(const ForceOptions& options) noexcept { force_.setOptions(options); }
+  /// Replaces the options of its force law, within the limits of its device, and the gain of the hand: the HIP stays.
+  /// Between ticks.
+  void setForce(const ForceOptions& options) noexcept;
   template <class Visit>
   void visitState(Visit& visit) noexcept {
     force_.visitState(visit);
@@ -73,6 +74,8 @@ class Hand {
   }
 
  private:
+  /// Only of a device that is held: a script says where the HIP is.
+  double gainOf(const ForceOptions& options) const noexcept { return limits_.handHeld ? options.handGain : 1; }
   /// Whether the device moved faster than a hand can since the last tick.
   bool hasJumped(const DVec3& position, double dt_s) noexcept;
 

@@ -65,7 +65,7 @@ void HandForce::feel(const Contact& answer, std::span<const PointContact> points
   const DVec3 spring_N = points.empty() ? law_.update(contact_, pose, dt_s) : law_.update(contact_, points, pose, dt_s);
   signs.demand_N = law_.demand_N();
   const DeviceLimits& limits = options_.limits;
-  const double mm_per_unit = limits.handHeld ? 1 / options_.unitsPerDevice : law_.scale().mm_per_unit;
+  const double mm_per_unit = limits.handHeld ? 1 / unitsPerDevice() : law_.scale().mm_per_unit;
   const DVec3 hand_mm = limits.handHeld ? device.position : mm_per_unit * pose.hip;
   const DVec3 velocity = surfaceVelocity(conditions.isChanging && points.empty(), dt_s);
   const double gate_s = options_.guardsTicks ? dt_s : std::clamp(dt_s, 0.0, 1 / options_.rate_Hz);
@@ -98,7 +98,7 @@ DVec3 HandForce::surfaceVelocity(bool isChanging, double dt_s) noexcept {
 
 // If the workspace is larger than the model, the spring is softer on the device by that factor.
 double HandForce::springOfDevice_N_per_mm() const noexcept {
-  return law_.options().stiffness_N_per_mm * law_.scale().mm_per_unit * options_.unitsPerDevice;
+  return law_.options().stiffness_N_per_mm * law_.scale().mm_per_unit * unitsPerDevice();
 }
 
 }  // namespace palpate

@@ -36,7 +36,7 @@ struct DeviceSigns {
 struct HandForceOptions {
   DeviceLimits limits;
   PassivityMode passivity = PassivityMode::off;
-  double unitsPerDevice = 1;   ///< WorkspaceMap::scale
+  double unitsPerDevice = 1;   ///< WorkspaceMap::scale, with the gain 1
   double rate_Hz = 1000;       ///< nominal, of the ticks
   std::size_t toolPoints = 0;  ///< of its tool; 0 for the HIP alone
   /// The answers and the pace of the ticks close the gate, too; otherwise they are the task of the program that asks.
@@ -93,6 +93,9 @@ class HandForce {
   TickSigns signsOf(const Pose& pose, const TickConditions& conditions, const DeviceSigns& device) const noexcept;
   /// Velocity of the surface, model units per second, of its own motion or of changes by others.
   DVec3 surfaceVelocity(bool isChanging, double dt_s) noexcept;
+  double unitsPerDevice() const noexcept {
+    return options_.unitsPerDevice * (options_.limits.handHeld ? law_.options().handGain : 1);
+  }
   /// Stiffness of the spring between hand and surface, per displacement of the device.
   double springOfDevice_N_per_mm() const noexcept;
 

@@ -6,6 +6,7 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/edit_cost.hpp"
+#include "apps/cli/setting_options.hpp"
 #include "engine/touch/memory.hpp"
 #include "haptics/session/sculpting_hand.hpp"
 #include "haptics/tick_pacer.hpp"
@@ -15,7 +16,7 @@ namespace palpate {
 namespace {
 
 struct EditBenchOptions : BenchOptions {
-  std::string brush = "push";
+  std::string brush = "push", symmetry;
   std::vector<std::string> indexes{"incremental", "rebuild"};
   std::vector<std::int64_t> touched{100, 1000, 10'000};
   double duration_s = 0;  // duration of a stroke in real time; 0: virtual time
@@ -214,6 +215,7 @@ EditCost sculpt(const EditScene& scene, const EditBenchOptions& options, const S
   EditCost cost{.subject = scene.subject.name,
                 .backend = backend,
                 .brush = options.brush,
+                .symmetry = options.symmetry,
                 .index = index,
                 .points = model.cloud.size(),
                 .brushRadius_mm = stroke.brush.radius_mm,
@@ -259,8 +261,10 @@ Stroke strokeFor(const EditScene& scene, const EditBenchOptions& options, const 
   trial.rate_Hz = kHighestRate_Hz;
   trial.duration_s = 0;
   const auto reaching = [&](double count, const EditBenchOptions& at) {
-    return strokeThatReaches(static_cast<std::size_t>(std::max(1.0, count)), brush, scene.subject.model,
-                             scene.places.front(), ticksPerSecond(at));
+    Stroke stroke = strokeThatReaches(static_cast<std::size_t>(std::max(1.0, count)), brush, scene.subject.model,
+                                      scene.places.front(), ticksPerSecond(at));
+    stroke.brush.symmetry = options.symmetry;
+    return stroke;
   };
   const auto wanted = static_cast<double>(touched);
   double count = wanted, best = wanted, leastOff = std::numeric_limits<double>::max();
@@ -311,6 +315,7 @@ Json benchEdit(Context& context, const EditBenchOptions& options) {
 void addOptions(Options& bench, EditBenchOptions& options) {
   addSubjectOptions(bench, options);
   bench.add("--edit", options.brush, "the brush").check(oneOf(namesOf(kBrushKinds))).showDefault();
+  addSettingFor<BrushConfig>(bench, options.symmetry, "symmetry");
   addListOption(bench, "--index", options.indexes, "how the index follows edits");
   bench
       .add("--touched", options.touched, "numbers of points that an edit should touch; each sets the size of the brush")

@@ -100,6 +100,7 @@ constexpr Reported<EditCost> kEditCosts[]{
     {"backend", "", "back end", field<&EditCost::backend>},
     {"points", "", "points of the model", field<&EditCost::points>},
     {"brush", "", "brush", field<&EditCost::brush>},
+    {"symmetry", "", "where edits are mirrored; empty: nowhere", field<&EditCost::symmetry>},
     {"index", "", "how the index follows edits: incremental or rebuild", field<&EditCost::index>},
     {"asked", "", "points that an edit should touch", field<&EditCost::asked>},
     {"brush_radius_mm", "mm", "radius of the brush", field<&EditCost::brushRadius_mm>},

@@ -27,7 +27,7 @@ struct EditStroke {
 };
 
 struct EditCost {
-  std::string subject, backend, brush, index;
+  std::string subject, backend, brush, symmetry, index;
   std::size_t points = 0;
   std::size_t asked = 0;  ///< points that an edit should touch
   double brushRadius_mm = 0, spacing_mm = 0;

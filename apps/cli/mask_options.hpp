@@ -1,6 +1,7 @@
 // Options that hide, lock or leave alone the points for which a condition holds.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -12,7 +13,14 @@ namespace palpate {
 class Session;
 
 /// Conditions for the points of each mask; empty: none.
-using MaskConditions = std::array<std::string, kMaskRoles>;
+struct MaskConditions {
+  std::array<std::string, kMaskRoles> where;
+  double lockRim_mm = 0;  ///< width of the soft rim around the locked points
+
+  bool empty() const {
+    return std::ranges::all_of(where, &std::string::empty);
+  }
+};
 
 void addMaskOptions(Options& command, MaskConditions& masks);
 /// Throws UsageError for masks of a session in which no point can change.

@@ -54,6 +54,8 @@ constexpr BrushSetting kBrushSettings[]{
      [](pp_brush& b, const py::handle& v, double) { b.falloff = v.cast<std::uint32_t>(); }},
     {"resample", "True or False",
      [](pp_brush& b, const py::handle& v, double) { b.resample = v.cast<bool>() ? 1 : 0; }},
+    {"accumulate", "True or False",
+     [](pp_brush& b, const py::handle& v, double) { b.accumulate = v.cast<bool>() ? 1 : 0; }},
     {"color", "three whole numbers from 0 to 255",
      [](pp_brush& b, const py::handle& v, double) {
        std::ranges::copy(v.cast<std::array<std::uint8_t, 3>>(), b.color);
@@ -163,13 +165,14 @@ py::array PySession::touch(const py::object& path, const std::optional<std::stri
 
 void PySession::setContact(const std::optional<std::string>& surface, std::optional<double> friction,
                            std::optional<double> stiffness, std::optional<double> damping,
-                           std::optional<double> max_force) {
+                           std::optional<double> max_force, std::optional<double> hand_gain) {
   const std::string name = surface.value_or(surface_);
   pp_contact_options contact = contactWith(name);
   contact.friction = friction.value_or(contact.friction);
   contact.stiffness_N_per_mm = stiffness.value_or(contact.stiffness_N_per_mm);
   contact.damping_N_s_per_mm = damping.value_or(contact.damping_N_s_per_mm);
   contact.max_force_N = max_force.value_or(contact.max_force_N);
+  contact.hand_gain = hand_gain.value_or(contact.hand_gain);
   with([&](pp::Session& session) { session.setContact(contact); });
   contact_ = contact;
   surface_ = name;

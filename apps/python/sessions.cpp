@@ -18,15 +18,16 @@ std::optional<Vector> vectorOr(const std::optional<Vector>& given, std::uint32_t
   return given;
 }
 
-constexpr std::array<std::pair<std::string_view, pp_mask>, 4> kMasks{{{"selected", PP_MASK_SELECTED},
+constexpr std::array<std::pair<std::string_view, pp_mask>, 5> kMasks{{{"selected", PP_MASK_SELECTED},
                                                                       {"hidden", PP_MASK_HIDDEN},
                                                                       {"locked", PP_MASK_LOCKED},
-                                                                      {"within", PP_MASK_WITHIN}}};
+                                                                      {"within", PP_MASK_WITHIN},
+                                                                      {"lock_weights", PP_MASK_LOCK_WEIGHTS}}};
 
 pp_mask maskNamed(const std::string& name) {
   for (const auto& [known, mask] : kMasks)
     if (name == known) return mask;
-  refuse("unknown mask '" + name + "'; choose selected, hidden, locked, within");
+  refuse("unknown mask '" + name + "'; choose selected, hidden, locked, within, lock_weights");
 }
 
 std::vector<std::uint8_t> maskBytes(const py::array& mask) {
@@ -36,6 +37,15 @@ std::vector<std::uint8_t> maskBytes(const py::array& mask) {
            std::string(py::str(mask.dtype())));
   const py::array_t<bool, py::array::c_style | py::array::forcecast> bools(mask);
   return {bools.data(), bools.data() + bools.size()};
+}
+
+std::vector<std::uint8_t> weightBytes(const py::array& weights) {
+  refuseMasked(weights, "mask");
+  if (weights.ndim() != 1 || !weights.dtype().is(py::dtype::of<std::uint8_t>()))
+    refuse("mask: a uint8 for each point is expected, not " + shapeOf(weights) + " of " +
+           std::string(py::str(weights.dtype())));
+  const py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast> bytes(weights);
+  return {bytes.data(), bytes.data() + bytes.size()};
 }
 
 void bindTouch(py::class_<PySession>& session) {
@@ -53,12 +63,13 @@ void bindTouch(py::class_<PySession>& session) {
            "the scene diverges.")
       .def("set_contact", &PySession::setContact, py::arg("surface") = py::none(), py::arg("friction") = py::none(),
            py::arg("stiffness_N_per_mm") = py::none(), py::arg("damping_N_s_per_mm") = py::none(),
-           py::arg("max_force_N") = py::none(),
+           py::arg("max_force_N") = py::none(), py::arg("hand_gain") = py::none(),
            "set_contact(surface=None, friction=None, stiffness_N_per_mm=None, damping_N_s_per_mm=None,\n"
-           "            max_force_N=None)\n\n"
+           "            max_force_N=None, hand_gain=None)\n\n"
            "From now on the surface and the force of contacts; None: as before. surface, friction,\n"
            "stiffness_N_per_mm, damping_N_s_per_mm and max_force_N are as for Session. A live session takes\n"
-           "them between two ticks.")
+           "them between two ticks. hand_gain: motion of the stylus for a motion of a held device, 0.05 to 4\n"
+           "(default 1); neither the stylus nor the force jumps.")
       .def("stroke", &PySession::stroke, py::arg("path"), py::arg("kind"),
            "stroke(path, kind, **brush) -> structured array\n\n"
            "As touch(), with a brush for this path. kind: a brush, as in palpate touch --edit.\n"
@@ -66,7 +77,7 @@ void bindTouch(py::class_<PySession>& session) {
            "mm in the hand, or radius and yield_depth, in model units; push_rate (push: share of the distance to its\n"
            "target that a point moves in one tick, 0 to 1), strength (share of the full effect in one tick,\n"
            "0 to 1), falloff (0 to 16), resample (points are inserted where the surface is stretched\n"
-           "and merged where it is crowded), color (three of 0 to 255), symmetry (each edit is also made mirrored, at\n"
+           "and merged where it is crowded), accumulate (inflate: a stroke raises points on where it passes again), color (three of 0 to 255), symmetry (each edit is also made mirrored, at\n"
            "the plane across \"x\", \"y\" or \"z\" through the middle of the model, or at\n"
            "\"PX,PY,PZ,NX,NY,NZ\", a position and the plane's normal). Of several hands the first one sculpts.")
       .def(
@@ -84,15 +95,27 @@ void bindTouch(py::class_<PySession>& session) {
       .def(
           "set_mask",
           [](PySession& self, const std::string& which, const py::array& mask) {
-            const std::vector<std::uint8_t> bytes = maskBytes(mask);
-            self.with([&](pp::Session& open) { open.setMask(maskNamed(which), bytes); });
+            const pp_mask role = maskNamed(which);
+            const std::vector<std::uint8_t> bytes =
+                role == PP_MASK_LOCK_WEIGHTS ? weightBytes(mask) : maskBytes(mask);
+            self.with([&](pp::Session& open) { open.setMask(role, bytes); });
           },
           py::arg("which"), py::arg("mask"),
           "set_mask(which, mask)\n\n"
           "Sets a mask of the present points: a bool for each point of cloud(). which: \"selected\"; \"hidden\"\n"
           "(neither drawn nor felt, and saved as all others are); \"locked\" (felt, and no brush changes them);\n"
-          "\"within\" (if there are any, brushes change no others). undo() undoes it as a stroke. The first mask\n"
-          "of a session is set before it is live.")
+          "\"within\" (if there are any, brushes change no others). \"lock_weights\": a uint8 for each point; brushes\n"
+          "move a point by the rest of what they would move it, and none that has 255, as \"locked\" has. undo()\n"
+          "undoes it as a stroke. The first mask of a session is set before it is live.")
+      .def(
+          "soften_lock",
+          [](PySession& self, double radius_mm) {
+            self.with([&](pp::Session& open) { open.softenLock(radius_mm); });
+          },
+          py::arg("radius_mm"),
+          "soften_lock(radius_mm)\n\n"
+          "Softens the rims of what is locked: each weight becomes the mean of the weights of the points nearer\n"
+          "than radius_mm, in the hand. undo() undoes it as a stroke.")
       .def(
           "remove_points",
           [](PySession& self, const py::array& mask) {
@@ -117,10 +140,12 @@ void bindTouch(py::class_<PySession>& session) {
           "quaternion w, x, y, z; scale: positive.")
       .def(
           "mask",
-          [](PySession& self, const std::string& which) {
+          [](PySession& self, const std::string& which) -> py::array {
             const pp_mask role = maskNamed(which);
             std::vector<std::uint8_t> bytes;
             self.with([&](pp::Session& open) { bytes = open.mask(role, open.cloud().size()); });
+            if (role == PP_MASK_LOCK_WEIGHTS)
+              return py::array_t<std::uint8_t>(static_cast<py::ssize_t>(bytes.size()), bytes.data());
             py::array_t<bool> mask(static_cast<py::ssize_t>(bytes.size()));
             std::ranges::copy(bytes, mask.mutable_data());
             return mask;

@@ -64,7 +64,7 @@ void CleanTask::begin(const WindowSession& session, const CleanModel& command, U
               .fields = {.mm_per_unit = session.model().scale.toMm(1), .up = up}};
   for (const PointState& state : given.states)
     if (!state.gone) given.numbers.push_back(state.number);
-  const PointSet locked = session.attributes().locked(given.states);
+  const PointSet locked = session.attributes().lock(session.model().cloud, given.states).points;
   const PointBits shown = selectable(session);
   if ((PointBits(session.attributes().mask(MaskRole::selected), shown.size()) & shown).count() == 0)
     given.changeable = shown - PointBits(locked, shown.size());

@@ -62,7 +62,7 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kLook{
 }  // namespace
 
 std::span<const SelectButton> selectButtons() {
-  constexpr auto kSelected = &SelectionCounts::selected;
+  constexpr auto kSelected = &SelectionCounts::selected, kLocked = &SelectionCounts::locked;
   static constexpr SelectButton kButtons[]{
       {"All", SelectCommand::all, nullptr, "Ctrl+A"},
       {"None", SelectCommand::none, kSelected, "Ctrl+Shift+A"},
@@ -73,8 +73,11 @@ std::span<const SelectButton> selectButtons() {
       {"Hide", SelectCommand::hide, kSelected, "H"},
       {"Isolate", SelectCommand::isolate, kSelected, "I: hides all others"},
       {"Show all", SelectCommand::showAll, &SelectionCounts::hidden, "Shift+H"},
-      {"Lock", SelectCommand::lock, kSelected, "brushes leave locked points as they are"},
-      {"Unlock all", SelectCommand::unlockAll, &SelectionCounts::locked, "no point is locked"},
+      {"Lock", SelectCommand::lock, kSelected, "Ctrl+M: brushes leave locked points as they are"},
+      {"Unlock all", SelectCommand::unlockAll, kLocked, "Ctrl+Shift+M: no point is locked"},
+      {"Invert lock", SelectCommand::invertLock, nullptr, "what is locked is free, and what is free is locked"},
+      {"Soften lock", SelectCommand::softenLock, kLocked, "widens the rim: brushes change its points in part"},
+      {"Sharpen lock", SelectCommand::sharpenLock, kLocked, "makes the rim half as wide"},
       {"Delete", SelectCommand::remove, kSelected, "Delete: removes the selected points"},
       {"Only here", SelectCommand::within, kSelected, "brushes change only these points"},
       {"Anywhere", SelectCommand::everywhere, &SelectionCounts::within, "brushes change all points"},

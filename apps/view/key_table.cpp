@@ -100,6 +100,13 @@ std::vector<KeyBinding> walking() {
   return bindings;
 }
 
+// To the next smaller gain of the hand, and from the smallest one to 1.
+void changesGain(WindowSettings& settings) {
+  constexpr double kFinest = 0.25;
+  double& gain = settings.feel.handGain;
+  gain = gain > kFinest ? std::max(kFinest, gain / 2) : 1;
+}
+
 // Close what is drawn, and select with a volume.
 std::vector<KeyBinding> closers() {
   std::vector<KeyBinding> bindings;
@@ -132,6 +139,10 @@ std::vector<KeyRow> make() {
       {sculpt, "hold Shift;  Ctrl",
        "with the stylus or a device: smooth;  the inverse of the brush (of push inflate, of inflate push, of carve "
        "inflate)"},
+      {sculpt,
+       "G",
+       "the stylus moves as far as the device in the hand, half as far, or a quarter",
+       {plain(GLFW_KEY_G, {changesGain})}},
       {sculpt, "T", "keep the stylus without holding Space", {plain(GLFW_KEY_T, {StylusCommand::lockOrUnlock})}},
       {others, "left drag", "rotate the view about the point under the cursor"},
       {others, "middle drag, Shift + left", "move the view"},
@@ -202,6 +213,11 @@ std::vector<KeyRow> make() {
        {{GLFW_KEY_H, kWithout, kWithout, {SelectCommand::hide}},
         {GLFW_KEY_H, kWithout, kWith, {SelectCommand::showAll}},
         plain(GLFW_KEY_I, {SelectCommand::isolate})}},
+      {select,
+       "Ctrl+M;  Ctrl+Shift+M",
+       "lock the selected points, which brushes then leave as they are;  unlock all",
+       {controlled(GLFW_KEY_M, kWithout, {SelectCommand::lock}),
+        controlled(GLFW_KEY_M, kWith, {SelectCommand::unlockAll})}},
       {select, "Delete", "remove the selected points", {plain(GLFW_KEY_DELETE, {SelectCommand::remove})}},
       {others, "R", "reset the view", {plain(GLFW_KEY_R, {WindowCommand::resetView})}},
       {all, "Home", "reset the view", {plain(GLFW_KEY_HOME, {WindowCommand::resetView})}},

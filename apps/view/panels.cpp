@@ -265,6 +265,10 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
     const bool isPush = brushHas(brush.kind, shared::kUsesPushRate);
     if (!isPush) drag("strength", brush.strength, 0.01f, sliderOf<BrushConfig>("strength"), "%.2f");
     if (!isPush) help("fraction of the effect per tick; 0: none, 1: all (Shift+F)");
+    if (brushHas(brush.kind, shared::kMayBuildUp)) {
+      checkbox("accumulate", brush.accumulate);
+      help("raises the surface on where a stroke passes again, or rests; off: once, by as much as the stylus presses");
+    }
     drawSymmetry(brush.symmetry);
     if (brushHas(brush.kind, shared::kPaintsPoints)) {
       float color[3];
@@ -316,6 +320,8 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
   help("average: fastest; sphere: sinks in less on curved surfaces; sharp: keeps edges");
   drag("stiffness", feel.stiffness_N_per_mm, 0.01f, sliderOf<ForceOptions>("stiffness_N_per_mm"), "%.2f N/mm");
   help("force per mm of depth in the surface, measured in the hand");
+  drag("hand gain", feel.handGain, 0.005f, sliderOf<ForceOptions>("hand_gain"), "%.2f");
+  help("motion of the stylus for a motion of the device in the hand; G: 1, 1/2, 1/4");
   drag("friction", feel.friction, 0.01f, sliderOf<SurfaceConfig>("friction"), "%.2f");
   help("0: no friction; from 1 on the stylus hardly slides");
   if (!noted("more", ImGui::TreeNode("more##feel"))) return;

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::array<std::pair<std::string_view, bool>, 2> kFloodsBy{{{"by normal", false}, {"by colour", true}}};
 constexpr Range kAngles_deg{1, 90};
+constexpr Range kRims_mm{0, 50};
 
 }  // namespace
 
@@ -41,6 +42,8 @@ void Panels::drawSelect(const ViewStatus& status, WindowSettings& settings) {
     help("T: also points behind the first surface");
   }
   drawLabel(select);
+  dragLength("soft rim", select.rim_mm, 0.1, kRims_mm, status);
+  help("width of the rim around what is locked from now on, in which brushes change points in part; 0: none");
   drawSelected(status, select);
   drawWhere(status);
 }

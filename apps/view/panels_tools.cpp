@@ -153,6 +153,7 @@ void Panels::drawStatusLine(const ViewStatus& status) {
   add(status.selection.selected, "selected");
   add(status.selection.hidden, "hidden");
   add(status.selection.locked, "locked");
+  add(status.selection.inPart, "of them in part");
   add(status.selection.within, "may be changed");
   if (status.onTime_percent) facts.push_back(fmt::format("touch on time {:.0f} %", std::floor(*status.onTime_percent)));
   if (status.picture_ms > 0) facts.push_back(fmt::format("picture {:.0f} ms", status.picture_ms));

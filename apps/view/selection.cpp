@@ -24,11 +24,32 @@ namespace {
 
 constexpr double kStep = 1.5;   // of grow and shrink, spacings
 constexpr double kReach = 2.5;  // between connected points, spacings
+constexpr double kBlur = 3;     // of a lock whose rims have no width of their own, spacings
 
 std::span<const PointState> pointsOf(const WindowSession& session) { return session.history().points(); }
 
 PointBits maskOf(const WindowSession& session, MaskRole role) {
   return {session.attributes().mask(role), pointsOf(session).size()};
+}
+
+// Those that no command may change.
+PointBits lockedIn(const WindowSession& session) {
+  const std::vector<std::uint8_t> weights = session.session().lockWeights();
+  return PointBits::where(weights.size(), 0, [&](std::size_t i) { return weights[i] == PointLock::kWhole; });
+}
+
+// Locks the selected points, with a rim, beside what is locked.
+void lockSelected(WindowSession& session, double rim) {
+  std::vector<std::uint8_t> weights = session.session().lockWeights();
+  const std::vector<std::uint8_t> added =
+      withRim(pointsOf(session), shownPoints(pointsOf(session), {}), selectedIn(session), rim);
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = std::max(weights[i], added[i]);
+  session.setLockWeights(weights);
+}
+
+std::vector<std::uint8_t> inverted(std::vector<std::uint8_t> weights) {
+  for (std::uint8_t& weight : weights) weight = static_cast<std::uint8_t>(PointLock::kWhole - weight);
+  return weights;
 }
 
 void requireSelect(const WindowSession& session) { session.session().require(Action::select, "select"); }
@@ -95,7 +116,7 @@ PointBits selectable(const WindowSession& session) {
 }
 
 PointBits changeable(const WindowSession& session) {
-  return (maskOf(session, MaskRole::selected) & selectable(session)) - maskOf(session, MaskRole::locked);
+  return (maskOf(session, MaskRole::selected) & selectable(session)) - lockedIn(session);
 }
 
 void moveChangeable(WindowSession& session, const MovePoints& move) {
@@ -112,9 +133,10 @@ void select(WindowSession& session, const PointBits& found, Combine how) {
   session.setMask(MaskRole::selected, next.set());
 }
 
-std::string carryOut(SelectCommand command, WindowSession& session, const BrushSettings& brush) {
+std::string carryOut(SelectCommand command, WindowSession& session, const BrushSettings& brush, double rim_mm) {
   const std::span<const PointState> points = pointsOf(session);
   const double spacing = std::max(session.model().spacing, session.model().wideSpacing);
+  const double rim = session.model().scale.toUnits(rim_mm);
   requireSelect(session);
   switch (command) {
     case SelectCommand::all:
@@ -145,10 +167,19 @@ std::string carryOut(SelectCommand command, WindowSession& session, const BrushS
       session.setMask(MaskRole::hidden, {});
       break;
     case SelectCommand::lock:
-      session.setMask(MaskRole::locked, (maskOf(session, MaskRole::locked) | selectedIn(session)).set());
+      lockSelected(session, rim);
       break;
     case SelectCommand::unlockAll:
       session.setMask(MaskRole::locked, {});
+      break;
+    case SelectCommand::invertLock:
+      session.setLockWeights(inverted(session.session().lockWeights()));
+      break;
+    case SelectCommand::softenLock:
+      session.setLockWeights(blurred(points, session.session().lockWeights(), rim > 0 ? rim : kBlur * spacing));
+      break;
+    case SelectCommand::sharpenLock:
+      session.setLockWeights(sharpened(session.session().lockWeights()));
       break;
     case SelectCommand::within:
       session.setMask(MaskRole::within, selectedIn(session).set());
@@ -203,7 +234,9 @@ std::string label(WindowSession& session, const PointBits& found, const SetValue
   session.session().require(Action::field, "label");
   if (label.value.empty()) throw Error("nothing is labelled: choose a class, or type a value of {}", label.field);
   if (found.count() == 0) throw Error("nothing is labelled: the model is not under the ball");
-  const PointBits free = found - PointBits(session.attributes().locked(pointsOf(session)), found.size());
+  const std::span<const PointState> points = pointsOf(session);
+  const PointBits free =
+      found - PointBits(session.attributes().lock(session.model().cloud, points).points, found.size());
   if (free.count() == 0) throw Error("nothing is labelled: all points under the ball are locked");
   return setValue(session, free.set(), label);
 }
@@ -258,19 +291,28 @@ void openInAnotherWindow(const std::string& file) {
 
 const SelectionCounts& CountedSelection::of(const WindowSession& session) {
   const LayerAttributes& attributes = session.attributes();
-  const auto differs = [&](std::size_t role) { return attributes.mask(static_cast<MaskRole>(role)) != masks_[role]; };
-  bool isOld =
-      std::exchange(session_, &session) != &session || std::exchange(version_, session.edits()) != session.edits();
-  for (std::size_t role = 0; role < kMaskRoles; ++role) isOld |= differs(role);
-  if (!isOld) return counts_;
-  for (std::size_t role = 0; role < kMaskRoles; ++role) masks_[role] = attributes.mask(static_cast<MaskRole>(role));
+  const bool isOld = std::exchange(session_, &session) != &session;
+  const std::uint64_t version = session.edits() + session.attributeChanges();
+  if (std::exchange(version_, version) == version && !isOld) return counts_;
   counts_ = {};
-  if (!attributes.hasMasks()) return counts_;
+  const bool hasLock = attributes.hasLockField(session.model().cloud);
+  if (!attributes.hasMasks() && !hasLock) return counts_;
   const PointBits there = shownPoints(pointsOf(session), {});
   const auto count = [&](MaskRole role) { return (maskOf(session, role) & there).count(); };
+  std::uint64_t locked = count(MaskRole::locked), inPart = 0;
+  if (hasLock) {
+    const std::vector<std::uint8_t> weights = session.session().lockWeights();
+    locked = 0;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      if (!there.test(i)) continue;
+      locked += weights[i] > 0;
+      inPart += weights[i] > 0 && weights[i] < PointLock::kWhole;
+    }
+  }
   counts_ = {.selected = ((maskOf(session, MaskRole::selected) & there) - maskOf(session, MaskRole::hidden)).count(),
              .hidden = count(MaskRole::hidden),
-             .locked = count(MaskRole::locked),
+             .locked = locked,
+             .inPart = inPart,
              .within = count(MaskRole::within)};
   return counts_;
 }

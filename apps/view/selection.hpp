@@ -1,7 +1,6 @@
 // The selected points of the open model, and what is done with them.
 #pragma once
 
-#include <array>
 #include <string>
 
 #include "apps/view/commands.hpp"
@@ -14,6 +13,7 @@ namespace palpate {
 struct SelectionCounts {
   std::uint64_t selected = 0;  ///< that are shown
   std::uint64_t hidden = 0, locked = 0, within = 0;
+  std::uint64_t inPart = 0;  ///< of the locked ones, those that are locked in part
 };
 
 // All throw Error where the model refuses it. Commands act on the selected points that exist and are shown; those that
@@ -29,8 +29,9 @@ void moveChangeable(WindowSession& session, const MovePoints& move);
 /// The points for which an expression holds, of those that can be selected. `up`: of the field height. Throws
 /// ExpressionError with the column.
 PointBits pointsWhere(const WindowSession& session, const std::string& condition, UpAxis up);
-/// Carries out what does not concern the outline. Returns a remark for the user, or an empty text.
-std::string carryOut(SelectCommand command, WindowSession& session, const BrushSettings& brush);
+/// Carries out what does not concern the outline. `rim_mm`: width of the rim of what it locks. Returns a remark for the
+/// user, or an empty text.
+std::string carryOut(SelectCommand command, WindowSession& session, const BrushSettings& brush, double rim_mm);
 /// Set a field, which is made if it is missing, as one change. Return a remark. Throw Error also for a value that the
 /// field's type cannot have, and for a field of that name which would lose its values.
 std::string carryOut(const SetValue& command, WindowSession& session);
@@ -53,7 +54,6 @@ class CountedSelection {
 
  private:
   SelectionCounts counts_;
-  std::array<PointSet, kMaskRoles> masks_;
   std::uint64_t version_ = 0;
   const WindowSession* session_ = nullptr;
 };

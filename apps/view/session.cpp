@@ -26,7 +26,8 @@ SurfaceConfig surfaceOf(SurfaceConfig surface, const FeelSettings& feel) {
 ForceOptions forceOf(const FeelSettings& feel) {
   return {.stiffness_N_per_mm = feel.stiffness_N_per_mm,
           .damping_N_s_per_mm = feel.damping_N_s_per_mm,
-          .maxForce_N = feel.maxForce_N};
+          .maxForce_N = feel.maxForce_N,
+          .handGain = feel.handGain};
 }
 
 // Only a GPU has more than one method.

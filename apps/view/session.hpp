@@ -27,7 +27,7 @@ struct FeelSettings {
   QueryMethod method = QueryMethod::fused;
   double friction = SurfaceConfig{}.friction;
   double stiffness_N_per_mm = ForceOptions{}.stiffness_N_per_mm, damping_N_s_per_mm = ForceOptions{}.damping_N_s_per_mm,
-         maxForce_N = ForceOptions{}.maxForce_N;
+         maxForce_N = ForceOptions{}.maxForce_N, handGain = ForceOptions{}.handGain;
 
   bool operator==(const FeelSettings&) const = default;
 };

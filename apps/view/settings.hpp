@@ -105,6 +105,7 @@ struct SelectSettings {
   SelectShape shape = SelectShape::rectangle;
   bool through = false;        ///< also points behind the first surface
   double brush_mm = 5;         ///< radius, also of the label brush
+  double rim_mm = 0;           ///< width of the soft rim around what is locked, mm in the hand
   bool floodsByColor = false;  ///< else by the direction of the normals
   double angle_deg = 15;       ///< largest angle to the normal of the clicked point
   int colorStep = 24;          ///< largest difference in red, green and blue each, of 255

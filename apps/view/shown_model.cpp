@@ -1,5 +1,7 @@
 #include "apps/view/shown_model.hpp"
 
+#include <algorithm>
+
 #include "apps/cli/picture.hpp"
 #include "apps/cli/probe_overlays.hpp"
 #include "apps/view/messages.hpp"
@@ -33,12 +35,14 @@ void ShownModel::forget() {
   guides_.forget();
   field_.forget();
   edited_ = {};
+  lockedPoints_ = 0;
   saidOfGaussians_ = false;
   madeBefore_ = picture_.made();
 }
 
 void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measure& measure, Messages& messages) {
   edited_ = session.takeBatch();
+  followLock(session);
   lines_.follow(session, view, measure);
   const Model& model = session.model();
   guides_.follow(model, view.upOf(model), view.unitOf(model), view.guides);
@@ -68,6 +72,18 @@ void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measur
     mesh_.clear();
     messages.sayError(error.what());
   }
+}
+
+void ShownModel::followLock(WindowSession& session) {
+  const LayerAttributes& attributes = session.attributes();
+  if (!session.session().pointHistory()) return;
+  const std::size_t points = session.history().points().size();
+  const auto isOfLock = [&](const AttributeChange& change) { return attributes.isOfLock(change); };
+  if (lockedPoints_ == points && std::ranges::none_of(edited_.attributes, isOfLock)) return;
+  lockedPoints_ = points;
+  const bool locks = !attributes.mask(MaskRole::locked).empty() || attributes.hasLockField(session.model().cloud);
+  DrawnAttributes& drawn = session.drawn().attributes();
+  if (locks || drawn.lock()) drawn.showLock(locks ? session.session().lockWeights() : std::vector<std::uint8_t>());
 }
 
 void ShownModel::takePick() {

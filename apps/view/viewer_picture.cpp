@@ -18,7 +18,9 @@ void Viewer::applySettings() {
     BrushSettings brush = hands_.brushInHand();
     if (document_.asks() && hands_.pointing().isTouching()) brush.sculpts = false;
     session->setBrushSettings(brush);
-    session->setFeel(settings_.feel);
+    FeelSettings feel = settings_.feel;
+    if (!held_.device()) feel.handGain = 1;  // the mouse says where the stylus is
+    session->setFeel(feel);
     if (recorded && !session->isRecording())
       messages_.say("the recording has ended: a log cannot contain a change of settings");
   });

@@ -8,6 +8,7 @@
 
 #include "engine/core/edit_batch.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/point_lock.hpp"
 
 namespace palpate {
 
@@ -54,10 +55,10 @@ class EditStream {
   /// between queries. Throws Error where points cannot be edited, or if a point is not at the position in its change:
   /// then no point has changed, and take() reports nothing.
   virtual void change(std::span<const PointChange> changes) = 0;
-  /// From now on brushes leave these points as they are, and no others. Ends the stroke in progress; otherwise as
-  /// change(). Throws Error where points cannot be locked.
-  virtual void lock(const PointSet& points) {
-    if (!points.empty()) throw Error("points cannot be locked here");
+  /// From now on brushes leave these points as they are, and others by the weights of their locks. Ends the stroke in
+  /// progress; otherwise as change(). Throws Error where points cannot be locked.
+  virtual void lock(const PointLock& lock) {
+    if (!lock.empty()) throw Error("points cannot be locked here");
   }
   /// From now on these points cannot be felt, and all others can. Otherwise as lock(), but take() reports nothing of
   /// it; what others do to a hidden point it reports. `present`: the states of all points by number, according to all

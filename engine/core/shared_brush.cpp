@@ -19,8 +19,9 @@ shared::BrushOf<double> brushOf(const BrushOptions& options, double support) {
   PALPATE_CHECK_LE(options.strength, 1.0);
   PALPATE_CHECK_LE(options.falloff, kMaxFalloff);
   PALPATE_CHECK_LT(0.0, support);
+  const bool buildsUp = options.accumulate && brushHas(options.kind, shared::kMayBuildUp);
   return {.kind = static_cast<shared::uint>(options.kind),
-          .traits = traitsOf(options.kind).traits,
+          .traits = traitsOf(options.kind).traits | (buildsUp ? shared::kBuildsUp : 0),
           .falloff = options.falloff,
           .radius = options.radius,
           .longestMove = static_cast<double>(shared::kLongestMove) * support,

@@ -35,8 +35,8 @@ __global__ void __launch_bounds__(kBlock)
   if (glm::dot(away, away) >= tool.reach * tool.reach) return;
   const uint id = __float_as_uint(point.w);
   Found& known = tables.founds[id];
-  FoundPoint found{from, xyz(normals[i]), kFirstStep * brush.support};
-  if (known.stroke == tool.stroke) found = {known.position, known.normal, known.room};
+  FoundPoint found{from, xyz(normals[i]), kFirstStep * brush.support, 0.0f};
+  if (known.stroke == tool.stroke) found = {known.position, known.normal, known.room, 0.0f};
   if (mayBlock(brush, found)) tables.blockedIn[id] = sums->edits + 1;
   if (isSampled(id, tool.sampling)) {
     const MeasuredPoint share = measured(brush, tool, found);
@@ -162,7 +162,7 @@ __device__ float roomOf(const CloudView& cloud, const Tables& tables, uint self)
   const uint id = __float_as_uint(point.w);
   const Found& own = tables.founds[id];
   const float spacing = tables.spacings[id], radius = neighbourhoodRadius(spacing, tables.radius);
-  const Path path = pathOf(brush, tool, center, FoundPoint{own.position, own.normal, 0.0f}, spacing);
+  const Path path = pathOf(brush, tool, center, FoundPoint{own.position, own.normal, 0.0f, 0.0f}, spacing);
   float free = kFreeAhead * radius;
   forEachNear(cloud, center, radius, [&](uint slot, const vec3& offset) {
     if (slot == self) return;

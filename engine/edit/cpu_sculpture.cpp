@@ -183,7 +183,15 @@ void CpuSculpture::set(std::span<const PointChange> changes) {
   receive(changes);
 }
 
-void CpuSculpture::lock(const PointSet& points) { locked_ = points.bits(points.end()); }
+void CpuSculpture::lock(const PointLock& lock) {
+  locked_ = lock.points.bits(lock.points.end());
+  lockWeights_ = lock.weights;
+}
+
+double CpuSculpture::lockOf(std::uint32_t point) const {
+  if (lockWeights_.empty()) return 0;
+  return lockWeights_[point < lockWeights_.size() ? point : points_.parents[point]] / 255.0;
+}
 
 void CpuSculpture::reload(std::span<const PointState> states, const PointSet& without) {
   constexpr std::size_t kBits = 64;
@@ -286,9 +294,9 @@ PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t p
 PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t point, const Vec3& place) const {
   // Without a copy of the state: it would be written and read back in parts of other sizes, which stalls.
   if (points_.strokes[point] != brush.stroke())
-    return {DVec3(place), DVec3(points_.normals[point]), double{moves_ ? firstStep() : shared::kUnseen}};
+    return {DVec3(place), DVec3(points_.normals[point]), double{moves_ ? firstStep() : shared::kUnseen}, lockOf(point)};
   const SculptedPoints::FoundState& found = points_.founds[point];
-  return {DVec3(found.position), DVec3(found.normal), double{found.room}};
+  return {DVec3(found.position), DVec3(found.normal), double{found.room}, lockOf(point)};
 }
 
 void CpuSculpture::brush(const PlacedBrush& brush, std::size_t number, Slice& slice) {
@@ -325,18 +333,21 @@ void CpuSculpture::brushEach(const PlacedBrush& brush, Slice& slice) {
     const DVec3 place(points_.positions[point]);
     const PlacedBrush::Found as = found(brush, point);
     const PlacedBrush::Point to = brushed(brush, point, as, slice);
+    const auto free = [&] {
+      PlacedBrush::Found open = as;
+      open.room = double{shared::kUnseen};
+      return brushed(brush, point, open, slice).position;
+    };
     // One that has moved since it looked ahead is about to look again, and so is an unsettled one.
     if (brush.mayBlock(as) && !(strains_[point] > 0)) {
       slice.blocked.push_back(point);
       if (points_.unsettled[point] == 0) {
-        const DVec3 free = brushed(brush, point, {as.position, as.normal, double{shared::kUnseen}}, slice).position;
-        slice.blockedMoves += brush.isBlocked(place, as, free);
+        slice.blockedMoves += brush.isBlocked(place, as, free());
       }
     }
     // Its turn has not come, and it may go no further until then: the tool has to wait for it as for one that goes on.
     if (moves_ && points_.unsettled[point] != 0 && as.room < shared::kLongestMove * options_.radius) {
-      const DVec3 free = brushed(brush, point, {as.position, as.normal, double{shared::kUnseen}}, slice).position;
-      const auto held = static_cast<float>(glm::distance(free, to.position));
+      const auto held = static_cast<float>(glm::distance(free(), to.position));
       displacements_[point] += held;
       strains_[point] += held;
     }

@@ -1,7 +1,7 @@
 // One tick of sculpting in double precision on the CPU, with every brush, at the cost of the points that it touches.
 #pragma once
 
-#include "engine/core/point_set.hpp"
+#include "engine/core/point_lock.hpp"
 #include "engine/edit/placed_brush.hpp"
 #include "engine/edit/resampling.hpp"
 #include "engine/edit/sculpted_points.hpp"
@@ -77,8 +77,8 @@ class CpuSculpture {
   void set(std::span<const PointChange> changes);
   /// The same in a stroke: other points that are unsettled remain so.
   void receive(std::span<const PointChange> changes);
-  /// From now on brushes leave these points as they are, and no others. While all points are settled.
-  void lock(const PointSet& points);
+  /// As EditStream::lock(), while all points are settled.
+  void lock(const PointLock& lock);
   /// As EditStream::reload(); afterwards all are settled.
   void reload(std::span<const PointState> states, const PointSet& without);
 
@@ -139,6 +139,8 @@ class CpuSculpture {
   bool isLocked(std::uint32_t point) const {
     return point / 64 < locked_.size() && (locked_[point / 64] >> point % 64 & 1) != 0;
   }
+
+  double lockOf(std::uint32_t point) const;  // weight of its lock, 0 to 1
 
   SculptOptions options_;
   SculptedPoints points_;
@@ -219,6 +221,7 @@ class CpuSculpture {
   std::vector<std::uint32_t> blocked_;  // all for which it is not `no`; each once
   std::uint32_t blockedBy_ = 0;         // the stroke
   std::vector<std::uint64_t> locked_;   // a bit for each point, up to the last one
+  std::vector<std::uint8_t> lockWeights_;
 };
 
 }  // namespace palpate

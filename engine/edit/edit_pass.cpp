@@ -1,6 +1,7 @@
 #include "engine/edit/edit_pass.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -40,15 +41,22 @@ void EditPass::setBrush(const BrushOptions& brush) {
   uploadTables();
 }
 
-void EditPass::lock(const PointSet& points) {
+void EditPass::lock(const PointLock& lock) {
   constexpr std::uint32_t kBits = 32;
-  if (!locked_ && points.empty()) return;
-  PALPATE_CHECK_LE(points.end(), std::uint64_t{live_.slots()});
-  const bool isFirst = !locked_;
-  if (isFirst)
+  if (!locked_ && lock.empty()) return;
+  PALPATE_CHECK_LE(lock.points.end(), std::uint64_t{live_.slots()});
+  if (!locked_)
     locked_ = Buffer::of<std::uint32_t>(device_, 2 * (live_.slots() / (2 * kBits) + 1), Memory::device, "locked");
-  upload(device_, *locked_, points.bits(kBits * locked_->bytes() / sizeof(std::uint32_t)));
-  if (isFirst) uploadTables();
+  upload(device_, *locked_, lock.points.bits(kBits * locked_->bytes() / sizeof(std::uint32_t)));
+  lockWeights_.reset();
+  if (!lock.weights.empty()) {
+    std::vector<std::uint32_t> words(1 + (lock.weights.size() + 3) / 4);
+    words[0] = static_cast<std::uint32_t>(lock.weights.size());
+    std::memcpy(&words[1], lock.weights.data(), lock.weights.size());
+    lockWeights_ = Buffer::of<std::uint32_t>(device_, words.size(), Memory::device, "lock weights");
+    upload(device_, *lockWeights_, words);
+  }
+  uploadTables();
 }
 
 void EditPass::uploadTables() {
@@ -69,6 +77,7 @@ void EditPass::uploadTables() {
                                            .touched = update_.touched(),
                                            .movesOf = update_.bySlot(),
                                            .locked = locked_ ? locked_->address() : 0,
+                                           .lockWeights = lockWeights_ ? lockWeights_->address() : 0,
                                            .firstNew = live_.count(),
                                            .ids = live_.slots(),
                                            .mostMoves = update_.mostMoves(),
@@ -227,7 +236,8 @@ std::uint64_t EditPass::mostLogged(Reach reach) const { return hasBox(reach) ? u
 
 std::uint64_t EditPass::bytes() const {
   return update_.bytes() + resample_.bytes() + moves_.bytes() + given_.bytes() + tables_.bytes() + colors_.bytes() +
-         parents_.bytes() + founds_.bytes() + (locked_ ? locked_->bytes() : 0);
+         parents_.bytes() + founds_.bytes() + (locked_ ? locked_->bytes() : 0) +
+         (lockWeights_ ? lockWeights_->bytes() : 0);
 }
 
 std::uint64_t EditPass::predictedBytes(std::uint64_t points, bool colors) {

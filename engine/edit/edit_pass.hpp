@@ -4,7 +4,7 @@
 #include <span>
 
 #include "engine/core/brush.hpp"
-#include "engine/core/point_set.hpp"
+#include "engine/core/point_lock.hpp"
 #include "engine/core/point_state.hpp"
 #include "engine/edit/brush_moves.hpp"
 #include "engine/edit/edit_log.hpp"
@@ -30,7 +30,7 @@ class EditPass {
   /// Replaces the brush: lists recorded with the previous one must be recorded again. Nothing may run meanwhile.
   void setBrush(const BrushOptions& brush);
   /// From now on the brush leaves these points as they are, and no others. Nothing may run meanwhile.
-  void lock(const PointSet& points);
+  void lock(const PointLock& lock);
   /// Sets the tool of the edit that is submitted next. Not during an edit.
   void setTool(const BrushStroke::Tool& tool) { moves_.setTool(tool); }
 
@@ -126,7 +126,8 @@ class EditPass {
   GivenChanges given_;
   EditSequel sequel_;
   Buffer tables_, colors_, parents_, founds_;
-  std::optional<Buffer> locked_;  // since the first lock()
+  std::optional<Buffer> locked_;       // since the first lock()
+  std::optional<Buffer> lockWeights_;  // while any point is locked in part
   Resample resample_;
 };
 

@@ -25,14 +25,54 @@ void copyValue(Attribute& values, std::uint64_t from, std::uint64_t to) {
 
 }  // namespace
 
-PointSet LayerAttributes::locked(std::span<const PointState> states) const {
-  PointSet locked;
-  if (const PointSet within = existing(mask(MaskRole::within), states); !within.empty()) {
-    locked = PointSet::range(0, states.size());
-    locked.remove(within);
+const Attribute* LayerAttributes::lockValues(const PointCloud& file) const {
+  const auto isBytes = [](const Attribute& values) { return values.type == ScalarType::u8; };
+  if (const auto field = fieldNamed(kLockField)) return isBytes(fields_[*field].values) ? &fields_[*field].values : nullptr;
+  const auto property = std::ranges::find(file.extra, kLockField, &Attribute::name);
+  return property != file.extra.end() && isBytes(*property) ? &*property : nullptr;
+}
+
+std::vector<std::uint8_t> LayerAttributes::lockWeights(const PointCloud& file,
+                                                       std::span<const PointState> states) const {
+  std::vector<std::uint8_t> weights(states.size());
+  const Attribute* const values = lockValues(file);
+  if (!values) {
+    mask(MaskRole::locked).forEach([&](std::uint64_t point) {
+      if (point < weights.size()) weights[point] = PointLock::kWhole;
+    });
+    return weights;
   }
-  locked.add(mask(MaskRole::locked));
-  return locked;
+  const std::size_t known = std::min(values->data.size(), weights.size());
+  std::memcpy(weights.data(), values->data.data(), known);
+  for (std::size_t point = known; point < weights.size(); ++point) weights[point] = weights[states[point].parent];
+  return weights;
+}
+
+PointLock LayerAttributes::lock(const PointCloud& file, std::span<const PointState> states) const {
+  PointLock lock;
+  if (const PointSet within = existing(mask(MaskRole::within), states); !within.empty()) {
+    lock.points = PointSet::range(0, states.size());
+    lock.points.remove(within);
+  }
+  if (!lockValues(file)) {
+    lock.points.add(mask(MaskRole::locked));
+    return lock;
+  }
+  lock.weights = lockWeights(file, states);
+  bool isInPart = false;
+  for (std::size_t point = 0; point < lock.weights.size(); ++point) {
+    if (lock.weights[point] == PointLock::kWhole) lock.points.set(point);
+    isInPart = isInPart || (lock.weights[point] > 0 && lock.weights[point] < PointLock::kWhole);
+  }
+  if (!isInPart) lock.weights.clear();
+  return lock;
+}
+
+bool LayerAttributes::isOfLock(const AttributeChange& change) const {
+  if (const auto* const flip = std::get_if<MaskFlip>(&change))
+    return flip->role == MaskRole::locked || flip->role == MaskRole::within;
+  if (const auto* const made = std::get_if<FieldPresence>(&change)) return made->name == kLockField;
+  return fieldNamed(kLockField) == std::get<FieldChange>(change).field;
 }
 
 std::optional<std::uint32_t> LayerAttributes::fieldNamed(std::string_view name) const {

@@ -9,17 +9,28 @@
 
 #include "engine/cloud/field.hpp"
 #include "engine/core/edit_batch.hpp"
+#include "engine/core/point_lock.hpp"
 #include "engine/edit/point_states.hpp"
 
 namespace palpate {
+
+/// Field of bytes, or property of a file, with the weights of the points' locks (PointLock). Where there is one, the mask
+/// of locked points does not count.
+inline constexpr std::string_view kLockField = "lock";
 
 /// The masks and the fields of a layer's points, by number. What a removed point has stays until it is restored, and
 /// counts no more than the point: existing() leaves it out. For one thread.
 class LayerAttributes {
  public:
   const PointSet& mask(MaskRole role) const { return masks_[static_cast<std::size_t>(role)]; }
-  /// Those that brushes leave as they are. `states`: by number.
-  PointSet locked(std::span<const PointState> states) const;
+  /// How brushes change the points of the layer, which was loaded from `file`. `states`: by number.
+  PointLock lock(const PointCloud& file, std::span<const PointState> states) const;
+  /// By number, without the mask `within`.
+  std::vector<std::uint8_t> lockWeights(const PointCloud& file, std::span<const PointState> states) const;
+  /// Whether kLockField has the weights.
+  bool hasLockField(const PointCloud& file) const { return lockValues(file) != nullptr; }
+  /// Whether a change, before or after it, concerns lock().
+  bool isOfLock(const AttributeChange& change) const;
   bool hasMasks() const { return !std::ranges::all_of(masks_, &PointSet::empty); }
   const std::vector<Field>& fields() const { return fields_; }
   std::optional<std::uint32_t> fieldNamed(std::string_view name) const;
@@ -40,6 +51,7 @@ class LayerAttributes {
 
  private:
   bool empty() const { return fields_.empty() && !hasMasks(); }
+  const Attribute* lockValues(const PointCloud& file) const;
   void exchange(FieldChange& change);
   void exchange(FieldPresence& change);
 

@@ -58,7 +58,7 @@ DVec3 PlacedBrush::smoothed(const DVec3& place, const Found& found, const Surfac
 }
 
 std::uint32_t PlacedBrush::painted(const DVec3& place, const Found& found, std::uint32_t color) const {
-  const std::uint32_t painted = shared::painted(brush_, tool_, place, found.normal, color);
+  const std::uint32_t painted = shared::painted(brush_, tool_, place, found, color);
   return painted != color && actsOn(found) ? painted : color;
 }
 

@@ -57,13 +57,23 @@ void DrawnAttributes::showNone() {
   values_.reset();
 }
 
+void DrawnAttributes::showLock(std::span<const std::uint8_t> weights) {
+  device_.throughputQueue().finish();
+  if (weights.empty()) return lock_.reset();
+  if (!lock_) lock_.emplace(Buffer::of<std::uint32_t>(device_, count_ / 4 + 1, Memory::upload, "drawn lock"));
+  const std::span<std::uint8_t> seen = lock_->mapped<std::uint8_t>();
+  const std::size_t given = std::min(seen.size(), weights.size());
+  std::ranges::copy(weights.first(given), seen.begin());
+  std::ranges::fill(seen.subspan(given), std::uint8_t{0});
+}
+
 const Buffer* DrawnAttributes::mask(MaskRole role) const {
   const auto number = static_cast<std::size_t>(role);
   return number < masks_.size() && masks_[number].count > 0 ? &*masks_[number].bits : nullptr;
 }
 
 std::uint64_t DrawnAttributes::bytes() const {
-  std::uint64_t bytes = values_ ? values_->bytes() : 0;
+  std::uint64_t bytes = (values_ ? values_->bytes() : 0) + (lock_ ? lock_->bytes() : 0);
   for (const Mask& mask : masks_) bytes += mask.bits ? mask.bits->bytes() : 0;
   return bytes;
 }

@@ -28,11 +28,15 @@ class DrawnAttributes {
   /// Other numbers of points, after show().
   void set(std::span<const std::pair<std::uint64_t, float>> numbers);
   void showNone();
+  /// Shades the points by these weights of locks from now on (PointLock::kWhole); further points: none. Empty: none.
+  void showLock(std::span<const std::uint8_t> weights);
 
   /// A bit for each point; null while the mask has no points, or is not seen.
   const Buffer* mask(MaskRole role) const;
   /// A float for each point; null while no numbers are shown.
   const Buffer* values() const { return values_ ? &*values_ : nullptr; }
+  /// A byte for each point; null while no lock is shown.
+  const Buffer* lock() const { return lock_ ? &*lock_ : nullptr; }
   /// Counts the changes of masks.
   std::uint64_t changes() const { return changes_; }
   std::uint64_t bytes() const;
@@ -49,7 +53,7 @@ class DrawnAttributes {
   std::uint32_t count_;
   std::uint64_t changes_ = 0;
   std::array<Mask, 2> masks_;  // selected, hidden
-  std::optional<Buffer> values_;
+  std::optional<Buffer> values_, lock_;
 };
 
 }  // namespace palpate

@@ -171,7 +171,10 @@ Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options) {
     address = buffer->address();
   };
   const DrawnAttributes& attributes = cloud.attributes();
-  if (options.tintsSelected) show(attributes.mask(MaskRole::selected), shared::kShownSelected, drawn.selected);
+  if (options.tintsSelected) {
+    show(attributes.mask(MaskRole::selected), shared::kShownSelected, drawn.selected);
+    show(attributes.lock(), shared::kShownLock, drawn.lock);
+  }
   show(attributes.mask(MaskRole::hidden), shared::kShownHidden, drawn.hidden);
   if (std::holds_alternative<FieldColors>(options.color)) show(attributes.values(), shared::kShownField, drawn.values);
   if (showsWater(options)) drawn.firstDisc = drawn.count - std::min(drawn.count, options.particles.standing);
@@ -235,6 +238,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMaxSmooth_px),
                             .selected = drawn.selected,
                             .hidden = drawn.hidden,
+                            .lock = drawn.lock,
                             .values = drawn.values,
                             .lowValue = static_cast<float>(range.low),
                             .highValue = static_cast<float>(range.high),

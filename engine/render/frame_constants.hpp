@@ -34,7 +34,7 @@ struct Drawn {
   bool everyPoint;          ///< draw every point, however fine
   std::uint32_t shown = 0;  ///< kShown* of the points, and where it is, else 0
   std::uint32_t firstDisc = 0;  ///< points before it are particles of water
-  DeviceAddress selected = 0, hidden = 0, values = 0;
+  DeviceAddress selected = 0, hidden = 0, lock = 0, values = 0;
 };
 Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options);
 Drawn drawn(const DrawnMesh& mesh);

@@ -1,5 +1,6 @@
 #include "engine/select/surface_select.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/trigonometric.hpp>
 #include <limits>
@@ -28,6 +29,13 @@ class Cells {
         DVec3(position), radius_,
         [&](const SortedGrid::Placed& placed) { goesOn = goesOn && visit(std::size_t{placed.number}); },
         [&](std::size_t) { return goesOn; });
+  }
+  /// Calls visit(number, distance / radius) for all of them.
+  template <class Visit>
+  void forEachNear(const Vec3& position, Visit&& visit) const {
+    grid_.forEachNear(DVec3(position), radius_, [&](const SortedGrid::Placed& placed) {
+      visit(std::size_t{placed.number}, glm::distance(DVec3(placed.position), DVec3(position)) / radius_);
+    });
   }
   bool hasNear(const Vec3& position) const {
     bool has = false;
@@ -131,6 +139,53 @@ PointBits connectedWith(std::span<const PointState> points, const PointBits& amo
     for (const auto& each : next) wave.insert(wave.end(), each.begin(), each.end());
   }
   return found;
+}
+
+std::vector<std::uint8_t> withRim(std::span<const PointState> points, const PointBits& among, const PointBits& of,
+                                  double width, unsigned threads) {
+  std::vector<std::uint8_t> weights(points.size());
+  of.set().forEach([&](std::uint64_t point) { weights[point] = PointLock::kWhole; });
+  if (!(width > 0) || of.count() == 0) return weights;
+  const Cells cells = cellsOf(points, of, width, threads);
+  const PointBits rim = among - of;
+  parallelFor(points.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!rim.test(i)) continue;
+      double nearest = 1;
+      cells.forEachNear(points[i].position, [&](std::size_t, double r) { nearest = std::min(nearest, r); });
+      const double share = 1 - nearest * nearest * (3 - 2 * nearest);
+      weights[i] = static_cast<std::uint8_t>(std::lround(share * PointLock::kWhole));
+    }
+  });
+  return weights;
+}
+
+std::vector<std::uint8_t> blurred(std::span<const PointState> points, std::span<const std::uint8_t> weights,
+                                  double radius, unsigned threads) {
+  std::vector<std::uint8_t> next(weights.begin(), weights.end());
+  if (!(radius > 0)) return next;
+  const Cells cells = cellsOf(points, shownPoints(points, {}), radius, threads);
+  parallelFor(points.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (points[i].gone) continue;
+      double sum = weights[i], total = 1;
+      cells.forEachNear(points[i].position, [&](std::size_t other, double r) {
+        if (other == i) return;
+        const double share = (1 - r * r) * (1 - r * r);
+        sum += share * weights[other];
+        total += share;
+      });
+      next[i] = static_cast<std::uint8_t>(std::lround(sum / total));
+    }
+  });
+  return next;
+}
+
+std::vector<std::uint8_t> sharpened(std::span<const std::uint8_t> weights) {
+  std::vector<std::uint8_t> next;
+  for (const std::uint8_t weight : weights)
+    next.push_back(static_cast<std::uint8_t>(std::clamp(2 * int{weight} - 127 - (weight < 128), 0, 255)));
+  return next;
 }
 
 PointBits pointsLike(std::span<const PointState> points, const PointBits& among, const PointState& point,

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
+#include "engine/core/point_lock.hpp"
 #include "engine/select/point_bits.hpp"
 
 namespace palpate {
@@ -27,6 +29,16 @@ PointBits shrunk(std::span<const PointState> points, const PointBits& among, con
 /// Those of `among` that are reached from `seeds` in steps shorter than `reach` from one to the next.
 PointBits connectedWith(std::span<const PointState> points, const PointBits& among, const PointBits& seeds,
                         double reach, unsigned threads = 0);
+
+/// Weights of locks by number (PointLock::kWhole): whole for `of`, and for those of `among` within `width` of it less the
+/// farther they are, down to none.
+std::vector<std::uint8_t> withRim(std::span<const PointState> points, const PointBits& among, const PointBits& of,
+                                  double width, unsigned threads = 0);
+/// Means of the weights of the existing points nearer than `radius`, which count less the farther they are.
+std::vector<std::uint8_t> blurred(std::span<const PointState> points, std::span<const std::uint8_t> weights,
+                                  double radius, unsigned threads = 0);
+/// Twice as steep a rim, in the same place: repeated, all points are wholly locked or free.
+std::vector<std::uint8_t> sharpened(std::span<const std::uint8_t> weights);
 
 /// Largest differences that count as alike; empty: any.
 struct Likeness {

@@ -69,7 +69,7 @@ class CpuEdits {
   /// As EditStream::reload(), while nothing is in progress.
   void reload(std::span<const PointState> states, const PointSet& without);
   /// As EditStream::lock(), while nothing is in progress.
-  void lock(const PointSet& points) { sculpture_.lock(points); }
+  void lock(const PointLock& lock) { sculpture_.lock(lock); }
 
   EditQueue& queue() { return queue_; }
   const EditQueue& queue() const { return queue_; }

@@ -296,9 +296,9 @@ void CpuTouch::change(std::span<const PointChange> changes) {
   edits_.change(changes, hands_.front().probes.ownPose().time_s);
 }
 
-void CpuTouch::lock(const PointSet& points) {
+void CpuTouch::lock(const PointLock& lock) {
   finish();
-  edits_.lock(points);
+  edits_.lock(lock);
 }
 
 bool CpuTouch::reload(std::span<const PointState> states, const PointSet& without) {

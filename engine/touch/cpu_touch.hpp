@@ -86,7 +86,7 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   BlockedMoves blocked() const noexcept override { return edits_.blocked(); }
   void change(std::span<const PointChange> changes) override;
   bool reload(std::span<const PointState> states, const PointSet& without) override;
-  void lock(const PointSet& points) override;
+  void lock(const PointLock& lock) override;
   bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
     return edits_.offered().give(changes, changesFollowed);
   }

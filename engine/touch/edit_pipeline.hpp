@@ -77,7 +77,7 @@ class EditPipeline {
   /// As EditStream::reload(). Waits.
   void reload(std::span<const PointState> states, const PointSet& without);
   /// As EditStream::lock(). While nothing is in progress.
-  void lock(const PointSet& points) { pass_.lock(points); }
+  void lock(const PointLock& lock) { pass_.lock(lock); }
   /// As TouchBackend::readBack().
   std::size_t readBack(PointCloud& cloud) const;
 

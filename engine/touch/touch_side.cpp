@@ -414,13 +414,13 @@ bool TouchSide::reload(std::span<const PointState> states, const PointSet& witho
   return true;
 }
 
-void TouchSide::lock(const PointSet& points) {
+void TouchSide::lock(const PointLock& lock) {
   if (!edits_) {
-    if (points.empty()) return;
+    if (lock.empty()) return;
     throw Error("{}: points can only be locked where they can be edited", device_.name());
   }
   finish();
-  edits_->lock(points);
+  edits_->lock(lock);
 }
 
 std::size_t TouchSide::readBack(PointCloud& cloud) const {

@@ -14,7 +14,8 @@ namespace palpate::library {
 inline constexpr auto kForceFields =
     std::make_tuple(std::pair{&pp_contact_options::stiffness_N_per_mm, &ForceOptions::stiffness_N_per_mm},
                     std::pair{&pp_contact_options::damping_N_s_per_mm, &ForceOptions::damping_N_s_per_mm},
-                    std::pair{&pp_contact_options::max_force_N, &ForceOptions::maxForce_N});
+                    std::pair{&pp_contact_options::max_force_N, &ForceOptions::maxForce_N},
+                    std::pair{&pp_contact_options::hand_gain, &ForceOptions::handGain});
 inline constexpr auto kSurfaceFields =
     std::make_tuple(std::pair{&pp_contact_options::friction, &SurfaceConfig::friction});
 inline constexpr auto kToolFields =
@@ -25,7 +26,8 @@ inline constexpr auto kBrushFields = std::make_tuple(
     std::pair{&pp_brush::yield_depth_mm, &BrushConfig::yieldDepth_mm},
     std::pair{&pp_brush::push_rate, &BrushConfig::pushRate}, std::pair{&pp_brush::radius_mm, &BrushConfig::radius_mm},
     std::pair{&pp_brush::strength, &BrushConfig::strength}, std::pair{&pp_brush::color, &BrushConfig::color},
-    std::pair{&pp_brush::resample, &BrushConfig::resample});
+    std::pair{&pp_brush::resample, &BrushConfig::resample},
+    std::pair{&pp_brush::accumulate, &BrushConfig::accumulate});
 inline constexpr auto kSessionFields =
     std::make_tuple(std::pair{&pp_session_options::rate_Hz, &SessionConfig::rate_Hz});
 inline constexpr auto kUndoFields =

@@ -66,6 +66,10 @@ class OpenSession {
   /// StateError.
   void setMask(MaskRole role, std::span<const std::uint8_t> mask);
   void copyMask(MaskRole role, std::span<std::uint8_t> mask);
+  /// The same of the weights of locks.
+  void setLockWeights(std::span<const std::uint8_t> weights);
+  void copyLockWeights(std::span<std::uint8_t> weights);
+  void softenLock(double radius_mm);
   /// Removes, paints or moves the points of such a mask; a movement is in coordinates of the file. Throws UsageError,
   /// StateError.
   void changePoints(std::span<const std::uint8_t> mask, PointsAction action);

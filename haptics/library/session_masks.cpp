@@ -1,7 +1,7 @@
 // Points of a session that a program names by a mask.
 #include "engine/core/counted.hpp"
 #include "engine/edit/history.hpp"
-#include "engine/select/point_bits.hpp"
+#include "engine/select/surface_select.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/open_session.hpp"
 
@@ -48,11 +48,46 @@ void OpenSession::changePoints(std::span<const std::uint8_t> mask, PointsAction 
 }
 
 void OpenSession::copyMask(MaskRole role, std::span<std::uint8_t> mask) {
-  auto out = mask.begin();
   const PointStates& points = maskable(mask.size(), false);
+  if (role == MaskRole::locked) {
+    copyLockWeights(mask);
+    for (std::uint8_t& weight : mask) weight = weight == PointLock::kWhole;
+    return;
+  }
+  auto out = mask.begin();
   const PointSet& set = session_->scene().layers[0].attributes.mask(role);
   for (const PointState& state : points)
     if (!state.gone) *out++ = set.test(state.number);
+}
+
+void OpenSession::setLockWeights(std::span<const std::uint8_t> weights) {
+  const PointStates& points = maskable(weights.size(), true);
+  std::vector<std::uint8_t> next = session_->lockWeights();
+  auto in = weights.begin();
+  for (const PointState& state : points)
+    if (!state.gone) next[state.number] = *in++;
+  session_->setLockWeights(next);
+  if (!isLive()) finish();
+}
+
+void OpenSession::copyLockWeights(std::span<std::uint8_t> weights) {
+  const PointStates& points = maskable(weights.size(), false);
+  const std::vector<std::uint8_t> all = session_->lockWeights();
+  auto out = weights.begin();
+  for (const PointState& state : points)
+    if (!state.gone) *out++ = all[state.number];
+}
+
+void OpenSession::softenLock(double radius_mm) {
+  if (!(radius_mm > 0)) throw UsageError("radius_mm: must be positive, not {}", radius_mm);
+  settleForCommand();
+  if (const History* const history = session_->history(); history && session_->pointHistory())
+    maskable(history->points().present(), true);
+  else
+    maskable(session_->model().cloud.size(), true);
+  const std::span<const PointState> points = session_->history()->points();
+  session_->setLockWeights(blurred(points, session_->lockWeights(), session_->model().scale.toUnits(radius_mm)));
+  if (!isLive()) finish();
 }
 
 }  // namespace palpate::library

@@ -230,6 +230,7 @@ pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done) 
 pp_status pp_session_set_mask(pp_session session, pp_mask which, const uint8_t* mask, uint64_t points) {
   return commanding(session, [&](OpenSession& open) {
     if (points > 0) required(mask, "mask");
+    if (which == PP_MASK_LOCK_WEIGHTS) return open.setLockWeights({mask, points});
     open.setMask(roleFrom(which), {mask, points});
   });
 }
@@ -255,8 +256,13 @@ pp_status pp_session_move_points(pp_session session, const uint8_t* mask, uint64
 pp_status pp_session_mask(pp_session session, pp_mask which, uint8_t* mask, uint64_t points) {
   return commanding(session, [&](OpenSession& open) {
     if (points > 0) required(mask, "mask");
+    if (which == PP_MASK_LOCK_WEIGHTS) return open.copyLockWeights({mask, points});
     open.copyMask(roleFrom(which), {mask, points});
   });
+}
+
+pp_status pp_session_soften_lock(pp_session session, double radius_mm) {
+  return commanding(session, [&](OpenSession& open) { open.softenLock(radius_mm); });
 }
 
 pp_status pp_session_apply_edits(pp_session session) {

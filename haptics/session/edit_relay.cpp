@@ -20,7 +20,7 @@ constexpr double kBetweenChecks_s = 1.0 / 240;  // of checking whether the back 
 
 EditRelay::EditRelay(const PointCloud& cloud, LayerAttributes& attributes, EditStream* edits, ShapeStrokes* shape,
                      const RelayOptions& options)
-    : points_(cloud.size()), attributes_(attributes), edits_(edits), shape_(shape), options_(options) {
+    : cloud_(cloud), attributes_(attributes), edits_(edits), shape_(shape), options_(options) {
   if (!options.keepsPoints && !shape_) return;
   history_.emplace(options.keepsPoints && !options.isPart ? PointStates(cloud) : PointStates(), options.undo);
   if (options.keepsPoints && edits_) edits_->keep();
@@ -49,7 +49,7 @@ TickObserver EditRelay::begin(double rate_Hz, bool realtime) {
 
 bool EditRelay::isNearlyFull() const {
   const auto room = edits_ ? edits_->room() : std::nullopt;
-  return room && room->free < 2 * std::uint64_t{points_};
+  return room && room->free < 2 * std::uint64_t{cloud_.size()};
 }
 
 bool EditRelay::isHalfFull() const {
@@ -119,7 +119,9 @@ void EditRelay::exchange(AttributeChange& change, EditMark::Kind kind, bool inBa
   try {
     attributes_.exchange(change);
     isExchanged = true;
-    if (const auto* const flip = std::get_if<MaskFlip>(&change); flip && inBackEnd) applyMask(flip->role);
+    const auto* const flip = std::get_if<MaskFlip>(&change);
+    if (inBackEnd && flip && flip->role == MaskRole::hidden) applyHidden();
+    if (inBackEnd && attributes_.isOfLock(change)) applyLock();
   } catch (...) {
     if (isExchanged) attributes_.exchange(change);
     changed_.attributes.pop_back();
@@ -128,17 +130,21 @@ void EditRelay::exchange(AttributeChange& change, EditMark::Kind kind, bool inBa
   changed_.marks.push_back({0, kind});
 }
 
-void EditRelay::applyMask(MaskRole role) {
-  if (!edits_ || role == MaskRole::selected) return;
-  if (role == MaskRole::hidden)
-    edits_->hide(attributes_.mask(role), [this]() -> std::span<const PointState> { return history_->points(); });
-  else
-    edits_->lock(attributes_.locked(history_->points()));
+void EditRelay::applyLock() {
+  if (edits_) edits_->lock(attributes_.lock(cloud_, keepsPoints() ? history_->points() : PointStates(cloud_)));
+}
+
+void EditRelay::applyHidden() {
+  if (!edits_) return;
+  edits_->hide(attributes_.mask(MaskRole::hidden),
+               [this]() -> std::span<const PointState> { return history_->points(); });
 }
 
 void EditRelay::applyMasks() {
-  for (const MaskRole role : {MaskRole::locked, MaskRole::within, MaskRole::hidden})
-    if (!attributes_.mask(role).empty()) applyMask(role);
+  if (options_.isPart) return;
+  const bool locks = !attributes_.mask(MaskRole::locked).empty() || !attributes_.mask(MaskRole::within).empty();
+  if (locks || attributes_.hasLockField(cloud_)) applyLock();
+  if (!attributes_.mask(MaskRole::hidden).empty()) applyHidden();
 }
 
 void EditRelay::change(AttributeChange change) {

@@ -87,7 +87,8 @@ class EditRelay {
   void observe(const TraceRow& row);
   // Exchanges a mask or a field; in the back end, too, if it has to know of it.
   void exchange(AttributeChange& change, EditMark::Kind kind, bool inBackEnd = true);
-  void applyMask(MaskRole role);
+  void applyLock();
+  void applyHidden();
   void carryPresence(const PointSet& points);
   // `kind`: of the marks; read while the carriers are used.
   History::Carriers carriers(const EditMark::Kind& kind);
@@ -96,7 +97,7 @@ class EditRelay {
   bool isNearlyFull() const;
   bool isHalfFull() const;
 
-  std::size_t points_;
+  const PointCloud& cloud_;
   LayerAttributes& attributes_;
   EditStream* edits_;
   ShapeStrokes* shape_;

@@ -27,7 +27,7 @@ class HidingTouch final : public TouchDecorator, private EditStream {
   EditProgress progress() const noexcept override;
   BlockedMoves blocked() const noexcept override { return stream().blocked(); }
   void change(std::span<const PointChange> changes) override;
-  void lock(const PointSet& points) override { stream().lock(points); }
+  void lock(const PointLock& lock) override { stream().lock(lock); }
   void hide(const PointSet& points, const PresentStates& present) override;
   bool changePresence(const PointSet& points, std::span<const PointState> states) override;
   bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override;

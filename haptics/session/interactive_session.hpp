@@ -112,6 +112,9 @@ class InteractiveSession {
   void setMask(MaskRole role, const PointSet& points) {
     if (!failed_) session_.setMask(role, points);
   }
+  void setLockWeights(std::span<const std::uint8_t> weights) {
+    if (!failed_) session_.setLockWeights(weights);
+  }
   void setField(std::uint32_t field, const PointSet& points, std::vector<std::byte> values) {
     if (!failed_) session_.setField(field, points, std::move(values));
   }

@@ -53,6 +53,7 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
   // No file tells a replay the scale, so the configuration must.
   if (config_.model.join) config_.model.mm_per_unit = this->model().scale.mm_per_unit;
   built_ = config_;
+  if (config_.brush) relay_.applyMasks();  // the file may have locks
 }
 
 Session::Session(SessionConfig config, Model model, const SessionParts& parts)

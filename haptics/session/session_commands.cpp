@@ -154,10 +154,43 @@ void Session::change(AttributeChange change) {
 
 void Session::setMask(MaskRole role, const PointSet& points) {
   const LayerAttributes& attributes = attributesFor(Action::select, "select");
+  if (role == MaskRole::locked && attributes.hasLockField(model().cloud)) {
+    std::vector<std::uint8_t> weights(history()->points().size());
+    points.forEach([&](std::uint64_t point) {
+      if (point < weights.size()) weights[point] = PointLock::kWhole;
+    });
+    return setLockWeights(weights);
+  }
   between([&] {
     MaskFlip flip{.role = role, .points = attributes.mask(role)};
     flip.points.flip(points);
     if (!flip.points.empty()) change(std::move(flip));
+  });
+}
+
+std::vector<std::uint8_t> Session::lockWeights() const {
+  return attributesFor(Action::select, "lock").lockWeights(model().cloud, history()->points());
+}
+
+void Session::setLockWeights(std::span<const std::uint8_t> weights) {
+  const LayerAttributes& attributes = attributesFor(Action::select, "lock");
+  between([&] {
+    const std::size_t points = history()->points().size();
+    if (weights.size() != points) throw Error("lock: {} weights for {} points", weights.size(), points);
+    const bool hasField = attributes.hasLockField(model().cloud);
+    PointSet locked, changed;
+    std::vector<std::byte> values;
+    const std::vector<std::uint8_t> had = hasField ? lockWeights() : std::vector<std::uint8_t>(points);
+    bool isInPart = false;
+    for (std::size_t point = 0; point < points; ++point) {
+      if (weights[point] == PointLock::kWhole) locked.set(point);
+      isInPart = isInPart || (weights[point] > 0 && weights[point] < PointLock::kWhole);
+      if (weights[point] == had[point]) continue;
+      changed.set(point);
+      values.push_back(std::byte{weights[point]});
+    }
+    if (!hasField && !isInPart) return setMask(MaskRole::locked, locked);
+    if (!changed.empty()) setField(kLockField, ScalarType::u8, changed, std::move(values));
   });
 }
 

@@ -120,7 +120,8 @@ BrushOptions brushOptions(const BrushConfig& brush, const ModelScale& scale) {
           .strength = brush.strength,
           .falloff = brush.falloff,
           .color = {brush.color[0], brush.color[1], brush.color[2], 255},
-          .resample = brush.resample};
+          .resample = brush.resample,
+          .accumulate = brush.accumulate};
 }
 
 ToolShape toolShape(const ToolConfig& tool, const ModelScale& scale) {

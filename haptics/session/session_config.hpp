@@ -117,7 +117,7 @@ struct BrushConfig {
   double yieldDepth_mm = 0.5, pushRate = 0.1, radius_mm = 6, strength = 0.5;
   std::uint32_t falloff = 1;
   std::array<std::uint8_t, 3> color{255, 0, 0};
-  bool resample = true;
+  bool resample = true, accumulate = false;
   std::string symmetry;  ///< "x", "y", "z" or "PX,PY,PZ,NX,NY,NZ" (symmetryPlane()); empty: none
 
   bool operator==(const BrushConfig&) const = default;

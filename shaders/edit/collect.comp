@@ -39,7 +39,7 @@ void main() {
       bool moves = false, reached = false, blocked = false;
       PointMove move;
       vec4 position = vec4(0.0), normal = vec4(0.0);
-      FoundPoint found = FoundPoint(vec3(0.0), vec3(0.0), 0.0);
+      FoundPoint found = FoundPoint(vec3(0.0), vec3(0.0), 0.0, 0.0);
       if (k < points) {
         uint cell;
         const uint slot = slotToLookAt(k, group, selecting, cell);

@@ -128,7 +128,7 @@ bool movesAlong(uint id, vec3 position, vec3 normal) {
   if (isLocked(args.tables, id)) return false;
   const vec3 away = position - tool.middle;
   if (!(dot(away, away) < tool.reach * tool.reach)) return true;
-  const uint cell = connectedCell(tool, FoundPoint(position, normal, 0.0));
+  const uint cell = connectedCell(tool, FoundPoint(position, normal, 0.0, 0.0));
   return (args.tables.at[0].tool.at[0].connected[cell / 32] >> (cell % 32) & 1) != 0;
 }
 
@@ -403,12 +403,13 @@ void requestForAll() {
     if (!bends && subgroupElect()) args.tables.at[0].carried.at[id] = 0;
     if (!requests && !looks && !bends) continue;
     moved = id < firstNew ? !isAtRest(center, self.rest, self.spacing) : reach == mostReach;
-    swallowed = cuts && carved(brush, tool, center, self.normal).taken != 0;
+    swallowed = cuts && lockOf(args.tables, id) <= 0.5 && carved(brush, tool, center, self.normal).taken != 0;
     foundAt = foundNormal = vec3(0.0);
     if (cuts || looks) {
       foundNormal = isNoted ? args.tables.at[0].founds.at[id].normal : self.normal;
       if (isNoted) foundAt = args.tables.at[0].founds.at[id].position - center;
-      path = pathOf(brush, tool, center, FoundPoint(center + foundAt, foundNormal, 0.0), self.spacing);
+      path = pathOf(brush, tool, center, FoundPoint(center + foundAt, foundNormal, 0.0, lockOf(args.tables, id)),
+                    self.spacing);
     }
     begin();
     for (walk = kWalkAround; walk != kWalkNoMore; walk = nextWalk()) {

@@ -15,9 +15,10 @@ void takeUpBrush(Brushes brushes, BrushTools tools) {
 // A point as the stroke found it.
 FoundPoint foundPoint(uint id, vec3 position, vec3 normal) {
   if (args.tables.at[0].founds.at[id].stroke != tool.stroke)
-    return FoundPoint(position, normal, brushHas(brush, kLooksAhead) ? kFirstStep * brush.support : kUnseen);
+    return FoundPoint(position, normal, brushHas(brush, kLooksAhead) ? kFirstStep * brush.support : kUnseen,
+                      lockOf(args.tables, id));
   return FoundPoint(args.tables.at[0].founds.at[id].position, args.tables.at[0].founds.at[id].normal,
-                    args.tables.at[0].founds.at[id].room);
+                    args.tables.at[0].founds.at[id].room, lockOf(args.tables, id));
 }
 void noteFound(uint id, FoundPoint found) {
   if (args.tables.at[0].founds.at[id].stroke == tool.stroke) return;
@@ -56,7 +57,7 @@ bool isActedOn(FoundPoint found) {
 }
 
 // The same point with any room.
-FoundPoint withRoom(FoundPoint found) { return FoundPoint(found.position, found.normal, kUnseen); }
+FoundPoint withRoom(FoundPoint found) { return FoundPoint(found.position, found.normal, kUnseen, found.lock); }
 
 // Notes that a point under the brush has no room to move, for its neighbours (request.comp).
 void noteBlocked(uint id) {
@@ -79,7 +80,7 @@ bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out Po
   if (brushHas(brush, kPaintsPoints)) {
     const uint color = colorOf(args.tables, id);
     move.mark = kMarkGiven;
-    return painted(brush, tool, position.xyz, found.normal, color) != color && isActedOn(found);
+    return painted(brush, tool, position.xyz, found, color) != color && isActedOn(found);
   }
   const Brushed result = brushed(brush, tool, position.xyz, normal.xyz, found);
   if (result.taken != 0) {

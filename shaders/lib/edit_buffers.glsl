@@ -53,4 +53,12 @@ uint parentOf(Tables tables, uint id) {
   return tables.at[0].parents.at[id - firstNew];
 }
 
+// Weight of a point's lock, 0 to 1.
+float lockOf(Tables tables, uint id) {
+  Uints weights = tables.at[0].lockWeights;
+  if (isNull(weights)) return 0.0;
+  const uint point = id < weights.at[0] ? id : parentOf(tables, id);
+  return float(weights.at[1 + point / 4] >> 8 * (point % 4) & 255) / 255.0;
+}
+
 #endif

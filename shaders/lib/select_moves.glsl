@@ -22,7 +22,7 @@ bool mayReach(HashGrid grid, ivec3 cell) {
 // Records what else changes with a point that the brush moves.
 void noteReached(uint id, vec3 position, FoundPoint found) {
   if (brushHas(brush, kPaintsPoints)) {
-    args.tables.at[0].colors.at[id] = painted(brush, tool, position, found.normal, colorOf(args.tables, id));
+    args.tables.at[0].colors.at[id] = painted(brush, tool, position, found, colorOf(args.tables, id));
     return;
   }
   resetReach(id);

@@ -88,12 +88,6 @@ struct Placed {
 
 bool isGone(uint point) { return floatBitsToUint(args.now.positions.at[point].w) == kEmptySlot; }
 
-vec3 tinted(uint point, vec3 color) {
-  const bool isSelected =
-      (args.frame.at[0].shown & kShownSelected) != 0 && isIn(args.frame.at[0].selected.at[point / 32], point);
-  return isSelected ? mix(color, kSelectedColor, kSelectedShare) : color;
-}
-
 vec3 paint(uint point) {
   const bool hasColors = (args.frame.at[0].shown & kShownColors) != 0;
   return unpackUnorm4x8(paintOf(args.frame, hasColors ? args.now.colors.at[point] : kUnpainted)).rgb;
@@ -108,7 +102,7 @@ bool placeNew(uint point, out Placed placed) {
   const vec3 z = normal == vec3(0) ? vec3(0, 0, 1) : normal;
   placed = Placed(args.now.positions.at[point].xyz,
                   mat3(size.x * x, size.x * cross(z, x), (normal == vec3(0) ? size.x : size.y) * z),
-                  kNewGaussianOpacity, tinted(point, paint(point)));
+                  kNewGaussianOpacity, tinted(args.frame, point, paint(point)));
   return true;
 }
 
@@ -140,7 +134,7 @@ bool place(uint i, RenderView view, out Placed placed) {
     const vec3 sight = view.isOrthographic != 0 ? view.forward : normalize(placed.center - view.eye);
     placed.color += harmonicsOf(i, sight * turn);  // in the axes of the file: the inverse of a rotation
   }
-  if ((owner & kFarOwner) == 0) placed.color = tinted(point, placed.color);
+  if ((owner & kFarOwner) == 0) placed.color = tinted(args.frame, point, placed.color);
   const mat3 axes = turn * rotationOf(args.gaussians.at[i].rotation);
   const vec3 scale = growth * args.gaussians.at[i].scale;
   placed.axes = mat3(scale.x * axes[0], scale.y * axes[1], scale.z * axes[2]);

@@ -15,6 +15,18 @@ bool isHidden(RenderFrames frame, uint point) {
 // Whether a point is drawn as a disc.
 bool isDisc(RenderFrames frame, uint point) { return point >= frame.at[0].firstDisc && !isHidden(frame, point); }
 
+// A colour of a point, as its lock and its selection tint it.
+vec3 tinted(RenderFrames frame, uint point, vec3 color) {
+  const uint shown = frame.at[0].shown;
+  if ((shown & kShownLock) != 0) {
+    const uint weight = frame.at[0].lock.at[point / 4] >> 8 * (point % 4) & 255;
+    color = mix(color, kLockColor, kLockShare * float(weight) / 255.0);
+  }
+  if ((shown & kShownSelected) != 0 && isIn(frame.at[0].selected.at[point / 32], point))
+    color = mix(color, kSelectedColor, kSelectedShare);
+  return color;
+}
+
 // RGBA8: the base colour of the material for what is not painted.
 uint paintOf(RenderFrames frame, uint color) { return color == kUnpainted ? frame.at[0].unpainted : color; }
 
@@ -22,16 +34,14 @@ uint paintOf(RenderFrames frame, uint color) { return color == kUnpainted ? fram
 uint shownColor(RenderFrames frame, Uints colors, uint point) {
   const uint shown = frame.at[0].shown;
   const uint color = paintOf(frame, (shown & kShownColors) != 0 ? colors.at[point] : kUnpainted);
-  if ((shown & (kShownField | kShownSelected)) == 0) return color;
+  if ((shown & (kShownField | kShownSelected | kShownLock)) == 0) return color;
   vec3 result = unpackUnorm4x8(color).rgb;
   if ((shown & kShownField) != 0) {
     const float value = uintBitsToFloat(frame.at[0].values.at[point]);
     result = isnan(value) ? kNoNumberColor
                           : numberColor(frame.at[0].colorMap, value, frame.at[0].lowValue, frame.at[0].highValue);
   }
-  if ((shown & kShownSelected) != 0 && isIn(frame.at[0].selected.at[point / 32], point))
-    result = mix(result, kSelectedColor, kSelectedShare);
-  return packUnorm4x8(vec4(result, 1));
+  return packUnorm4x8(vec4(tinted(frame, point, result), 1));
 }
 
 #endif

@@ -99,8 +99,14 @@ PALPATE_STRUCT(FoundPoint) {
   PALPATE_VEC3 position;
   PALPATE_VEC3 normal;
   Real room;  // how far the stroke may move it until it looks ahead again, model units; kUnseen: any distance
+  Real lock;  // weight of its lock, 0 to 1: the share of the brush's effect that it does not get
 };
 PALPATE_SINGLE(FoundPoint);
+
+// The share of a brush's effect that the lock of a point leaves. A cut has no part: carve acts wholly on points that are
+// locked by half at most, and on no others.
+PALPATE_FORMULA Real unlockedShare(PALPATE_OF(FoundPoint) found) { return Real(1.0) - found.lock; }
+PALPATE_FORMULA bool mayBeCut(PALPATE_OF(FoundPoint) found) { return unlockedShare(found) >= Real(0.5); }
 
 // Room of a new point, from those of its two ends.
 PALPATE_FUNCTION float middleRoom(float a, float b) { return a < kUnseen && b < kUnseen ? 0.5f * (a + b) : min(a, b); }
@@ -251,7 +257,8 @@ PALPATE_FORMULA Real overhangShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool
 PALPATE_FORMULA PALPATE_VEC3 pushWay(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                      PALPATE_OF(FoundPoint) found) {
   const PALPATE_VEC3 none = Real(0.0) * tool.outward;
-  const Real share = facingShare(tool, found.normal) * (Real(1.0) - overhangShare(brush, tool, found));
+  const Real share =
+      facingShare(tool, found.normal) * (Real(1.0) - overhangShare(brush, tool, found)) * unlockedShare(found);
   if (tool.acts == 0u || !(share > Real(0.0))) return none;
   const PALPATE_VEC3 offset = position - tool.center;
   const Real height = dot(offset, tool.outward);
@@ -311,12 +318,14 @@ PALPATE_FORMULA PALPATE_VEC3 flattenWay(PALPATE_OF(BrushTool) tool, PALPATE_VEC3
   return -tool.share * left * side * tool.outward;
 }
 
-// Inflate: moves a point along its normal.
+// Inflate: moves a point along its normal, by as much as the hand presses in the whole stroke, or, if it builds up, for
+// as long as the hand presses.
 PALPATE_FORMULA PALPATE_VEC3 inflateWay(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                         PALPATE_OF(FoundPoint) found, Real weight) {
   const Real left = weight * tool.height - dot(position - found.position, found.normal);
   const Real step = tool.share * weight * Real(kInflateStep) * brush.radius;
-  return max(Real(0.0), min(left, step)) * found.normal;
+  const bool endless = brushHas(brush, kBuildsUp) && tool.height > Real(0.0);
+  return (endless ? step : max(Real(0.0), min(left, step))) * found.normal;
 }
 
 // Grab: moves a point along with the hand. Near a plane of symmetry the motion towards the plane or away from it
@@ -336,13 +345,16 @@ PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(
   result.position = position;
   result.taken = 0u;
   if (tool.acts == 0u || !isOnOwnSide(tool, found.position)) return result;
-  if (brush.kind == kBrushCarve) return carved(brush, tool, position, normal);
+  if (brush.kind == kBrushCarve) {
+    if (mayBeCut(found)) return carved(brush, tool, position, normal);
+    return result;
+  }
   PALPATE_VEC3 way = Real(0.0) * tool.outward;
   if (brush.kind == kBrushPush) {
     way = tool.share * pushWay(brush, tool, position, found);
   } else {
     // The position as found is used, so that a point gets no more than its share in a stroke of any length.
-    Real weight = brushWeight(brush, length(found.position - tool.center));
+    Real weight = unlockedShare(found) * brushWeight(brush, length(found.position - tool.center));
     if (!brushHas(brush, kHoldsPoints)) weight *= facingShare(tool, found.normal);
     if (!(weight > Real(0.0))) return result;
     if (brush.kind == kBrushFlatten) way = flattenWay(tool, position, found, weight);
@@ -358,27 +370,30 @@ PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(
 // positive outside; `normal`: the sphere's.
 PALPATE_FORMULA PALPATE_VEC3 smoothed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                       PALPATE_OF(FoundPoint) found, Real signedDistance, PALPATE_VEC3 normal) {
-  const Real move = brushShare(brush, tool, position, found.normal) * signedDistance;
+  // Of the path from where the stroke found the point its lock leaves a share.
+  const Real whole = signedDistance + dot(found.position - position, normal);
+  const Real move = brushShare(brush, tool, position, found.normal) * (signedDistance - found.lock * whole);
   return afterStep(brush, position, found, -move * normal);
 }
 
-PALPATE_FORMULA uint blendedChannel(uint from, uint to, Real share) {
+PALPATE_FORMULA uint blendedChannel(uint from, uint to, Real share, uint least) {
   const uint gap = from < to ? to - from : from - to;
-  // At least one level, so that the colour is reached.
-  const uint wanted = max(1u, uint(share * Real(gap) + Real(0.5)));
+  const uint wanted = max(least, uint(share * Real(gap) + Real(0.5)));
   const uint move = min(gap, wanted);
   return from < to ? from + move : from - move;
 }
 
 // Colour of a point, RGBA8 or 0 for none, after one edit of paint.
 PALPATE_FORMULA uint painted(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
-                             PALPATE_VEC3 foundNormal, uint color) {
-  const Real share = brushShare(brush, tool, position, foundNormal);
+                             PALPATE_OF(FoundPoint) found, uint color) {
+  const Real share = unlockedShare(found) * brushShare(brush, tool, position, found.normal);
   if (!brushHas(brush, kPaintsPoints) || !(share > Real(0.0))) return color;
   const uint from = color == 0u ? kUnpainted : color;
+  // At least one level, so that a point without a lock reaches the colour.
+  const uint least = found.lock > Real(0.0) ? 0u : 1u;
   uint blended = 0u;
   for (uint bit = 0u; bit < 32u; bit += 8u)
-    blended |= blendedChannel((from >> bit) & 255u, (brush.color >> bit) & 255u, share) << bit;
+    blended |= blendedChannel((from >> bit) & 255u, (brush.color >> bit) & 255u, share, least) << bit;
   return blended;
 }
 

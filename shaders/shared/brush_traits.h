@@ -36,6 +36,8 @@ const uint kMeasuresFound = 1u << 10;  // distances are from where the stroke fo
 const uint kLooksAhead = 1u << 11;     // a point moves beyond a first step only as far as it has seen
 const uint kMayResample = 1u << 12;    // points may be inserted and merged
 const uint kShapesBodies = 1u << 13;   // works on soft bodies
+const uint kMayBuildUp = 1u << 14;     // goes on from where a stroke has brought a point, if BrushOptions::accumulate
+const uint kBuildsUp = 1u << 15;       // it does: of a Brush, not of a kind
 
 #ifdef __cplusplus
 struct BrushTraits {
@@ -57,7 +59,8 @@ inline constexpr auto kBrushes = std::to_array<BrushTraits>({
      "presses the surface in, by the shape of a ball", BrushKind::inflate},
     {"carve", BrushKind::carve, kMovesPoints | kRemovesPoints | kMayResample | kHasShaft,
      "cuts a ball out of the model", BrushKind::inflate},
-    {"inflate", BrushKind::inflate, kSculpts | kFollowsNormals | kRaisesSurface | kMeasuresFound, "raises the surface",
+    {"inflate", BrushKind::inflate, kSculpts | kFollowsNormals | kRaisesSurface | kMeasuresFound | kMayBuildUp,
+     "raises the surface",
      BrushKind::push},
     {"smooth", BrushKind::smooth, kSculpts | kFollowsNormals | kUsesNeighbours, "evens out bumps", kNoInverse,
      "bumps that were evened out come back by undo"},

@@ -63,12 +63,14 @@ struct PointTables {
   PALPATE_ADDRESS(Uints) touched;
   PALPATE_ADDRESS(Uints) movesOf;
   PALPATE_ADDRESS(Uints) locked;  // a bit for each id: brushes leave the point as it is
+  // Number of weights, then a byte for each of these ids: weight of the point's lock. Later points have their parents'.
+  PALPATE_ADDRESS(Uints) lockWeights;
   uint firstNew;
   uint ids;
   uint mostMoves;  // capacity of the list; the same for requests
   uint resamples;  // 0: points look ahead, but none is inserted or merged
 };
-PALPATE_SIZE(PointTables, 144);
+PALPATE_SIZE(PointTables, 152);
 
 // Request of an examined point for the next tick: at least to be examined again.
 struct PointRequest {

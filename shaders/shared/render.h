@@ -92,9 +92,13 @@ const uint kShownColors = 1;    // colours of their own
 const uint kShownSelected = 2;  // a mask: tinted
 const uint kShownHidden = 4;    // a mask: not drawn
 const uint kShownField = 8;     // numbers, shown in place of their own colours
+const uint kShownLock = 16;     // weights of locks: shaded
 // Colour of selected points, sRGB, and its share.
 const vec3 kSelectedColor = vec3(1.0f, 0.55f, 0.1f);
 const float kSelectedShare = 0.6f;
+// The same of points that are wholly locked.
+const vec3 kLockColor = vec3(0.12f, 0.14f, 0.2f);
+const float kLockShare = 0.7f;
 
 // A pinhole camera, or an orthographic one. Eye space: x right, y up, depth along `forward`; pixel (x, y) has its
 // centre at (x + 0.5, y + 0.5), y downwards. Positions are model units relative to the cloud's origin.
@@ -164,6 +168,7 @@ struct RenderFrame {
   uint smooth_px;  // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
   PALPATE_ADDRESS(Uints) selected;  // a bit for each point, like the next
   PALPATE_ADDRESS(Uints) hidden;
+  PALPATE_ADDRESS(Uints) lock;    // a byte for each point: 255 is wholly locked
   PALPATE_ADDRESS(Uints) values;  // bits of a float for each point; NaN: no number
   float lowValue, highValue;      // ends of the ramp
   uint colorMap;                  // kMap* of the ramp
@@ -173,7 +178,7 @@ struct RenderFrame {
   uint firstDisc;                 // points before it are drawn otherwise
   uint unused;
 };
-PALPATE_SIZE(RenderFrame, 80 + 144 + 44 + 40 + 52 + 56);
+PALPATE_SIZE(RenderFrame, 80 + 144 + 44 + 40 + 52 + 64);
 
 #ifndef __cplusplus
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RenderFrames { RenderFrame at[]; };

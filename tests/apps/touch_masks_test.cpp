@@ -61,6 +61,41 @@ TEST_CASE("a brush changes no locked point, and where only some may be changed, 
   CHECK(only[1] == 0);
 }
 
+TEST_CASE("around what is locked a soft rim moves in part, and a file that was saved with it is locked so") {
+  const ScratchFolder folder;
+  const Touched hard = touched(folder, "--brush-radius 10 --lock \"x < 0\"");
+  const Touched soft = touched(folder, "--brush-radius 10 --lock \"x < 0\" --lock-rim 8 --log " + (folder / "log").string());
+  const auto moved = [](const Touched& touched, double from, double to) {
+    double sum = 0;
+    for (std::size_t i = 0; i < touched.before.size(); ++i)
+      if (touched.before.positions[i].x >= from && touched.before.positions[i].x < to)
+        sum += glm::distance(touched.before.positions[i], touched.after.positions[i]);
+    return sum;
+  };
+  CHECK(moved(soft, -100, 0) == 0);
+  CHECK(moved(soft, 0, 4) < 0.5 * moved(hard, 0, 4));
+  CHECK(moved(soft, 4, 8) > 0.05 * moved(hard, 4, 8));
+  works("--quiet replay " + (folder / "log").string());
+  // The saved file is locked by its property, without an option.
+  const std::string saved = (folder / "saved.ply").string(), again = (folder / "again.ply").string();
+  const auto lock = std::ranges::find(soft.after.extra, "lock", &Attribute::name);
+  REQUIRE(lock != soft.after.extra.end());
+  works("--quiet touch " + saved + " --backend cpu --edit push --brush-radius 10 --penetration 6 --save " + again);
+  const PointCloud next = readCloud(again).cloud;
+  std::size_t changed = 0, locked = 0;
+  for (std::size_t i = 0; i < soft.after.size(); ++i) {
+    const bool isLocked = lock->data[i] == std::byte{255};
+    locked += isLocked;
+    changed += !isLocked && next.positions[i] != soft.after.positions[i];
+    if (isLocked) CHECK(next.positions[i] == soft.after.positions[i]);
+  }
+  CHECK(locked > 3000);
+  CHECK(changed > 10);
+  const Outcome outcome = palpate("touch " + saved + " --backend cpu --edit push --lock-rim 3");
+  CHECK(outcome.code != 0);
+  CHECK(says(outcome.text, "--lock-rim: requires --lock"));
+}
+
 TEST_CASE("hidden points are not felt and are saved, and a recording with masks is repeated exactly") {
   const ScratchFolder folder;
   const Touched hidden = touched(folder, "--hide \"z > 0\" --log " + (folder / "log").string());

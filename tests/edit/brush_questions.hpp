@@ -55,6 +55,7 @@ inline std::vector<BrushCase> randomQuestions(std::size_t count) {
                                    .foundPosition = Vec3(position + share(random) * direction()),
                                    .foundNormal = Vec3(direction()),
                                    .room = static_cast<float>(1.5 * share(random)),
+                                   .lock = questions.size() % 2 == 0 ? 0 : static_cast<float>(share(random)),
                                    .color = static_cast<std::uint32_t>(random())}});
   }
   return questions;
@@ -72,7 +73,7 @@ inline void checkAgree(const std::vector<BrushCase>& questions, const std::vecto
     const auto& [options, tool, q] = questions[i];
     const PlacedBrush brush(options, kSupport, tool);
     const DVec3 place(q.position), normal(q.normal);
-    const PlacedBrush::Found found{DVec3(q.foundPosition), DVec3(q.foundNormal), double{q.room}};
+    const PlacedBrush::Found found{DVec3(q.foundPosition), DVec3(q.foundNormal), double{q.room}, double{q.lock}};
     const PlacedBrush::Point expected = brush.brushed(place, normal, found);
     moved += expected.position != place;
     taken += expected.taken;

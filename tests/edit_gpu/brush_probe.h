@@ -13,9 +13,10 @@ struct BrushQuestion {
   vec3 foundPosition;
   vec3 foundNormal;
   float room;
+  float lock;
   uint color;
 };
-PALPATE_SIZE(BrushQuestion, 240);
+PALPATE_SIZE(BrushQuestion, 244);
 
 struct BrushAnswer {
   Brushed brushed;
@@ -40,9 +41,10 @@ PALPATE_FUNCTION BrushAnswer answerTo(BrushQuestion q, float signedDistance) {
   found.position = q.foundPosition;
   found.normal = q.foundNormal;
   found.room = q.room;
+  found.lock = q.lock;
   BrushAnswer answer;
   answer.brushed = brushed(q.brush, q.tool, q.position, q.normal, found);
-  answer.painted = painted(q.brush, q.tool, q.position, q.foundNormal, q.color);
+  answer.painted = painted(q.brush, q.tool, q.position, found, q.color);
   answer.smoothed = smoothed(q.brush, q.tool, q.position, found, signedDistance, q.normal);
   answer.measured = measured(q.brush, q.tool, found);
   SeenPoint seen;

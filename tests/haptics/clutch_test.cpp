@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "haptics/servo_loop.hpp"
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/haptics/device_doubles.hpp"
@@ -38,6 +41,20 @@ TEST_CASE("the HIP stays while clutched and continues from there without a jump"
   CHECK_FALSE(clutch.isDrawn());
 }
 
+TEST_CASE("a gain scales the motion of the hand about where the HIP is, also while clutched") {
+  Clutch clutch({.scale = 2, .offset = {1, 0, 0}}, 0.5);
+  CHECK(clutch.toModel({1, 0, 0}, false) == DVec3(2, 0, 0));
+  clutch.setGain(0.25, {1, 0, 0});
+  CHECK(clutch.scale() == 0.5);
+  CHECK(clutch.toModel({1, 0, 0}, false) == DVec3(2, 0, 0));
+  CHECK(clutch.toModel({3, 2, 0}, false) == DVec3(3, 1, 0));
+  CHECK(clutch.toModel({3, 2, 0}, true) == DVec3(3, 1, 0));
+  clutch.setGain(1, {4, 0, 0});  // the hand moved while clutched
+  CHECK(clutch.toModel({4, 0, 0}, true) == DVec3(3, 1, 0));
+  CHECK(clutch.toModel({4, 0, 0}, false) == DVec3(3, 1, 0));
+  CHECK(clutch.toModel({5, 0, 0}, false) == DVec3(5, 1, 0));
+}
+
 TEST_CASE("a stylus's buttons clutch and sculpt, and force that could not be rendered ramps up again") {
   // It moves to the right at 100 mm/s.
   ScriptedDevice device(
@@ -67,6 +84,66 @@ TEST_CASE("a stylus's buttons clutch and sculpt, and force that could not be ren
   CHECK(trace.rows[300].force_N == DVec3(0));
   CHECK(trace.rows[301].force_N.y < 0.1 * trace.rows[299].force_N.y);
   CHECK(trace.rows[349].force_N.y > trace.rows[301].force_N.y);
+}
+
+namespace {
+
+/// A floor at y = 0.
+class Ground final : public OneHandQuery {
+ public:
+  Contact answerTo(const Pose& pose, double) noexcept override {
+    const bool touches = pose.hip.y < 0;
+    return {.proxy = touches ? DVec3(pose.hip.x, 0, pose.hip.z) : pose.hip,
+            .normal = {0, 1, 0},
+            .touching = touches,
+            .fresh = true,
+            .valid = true};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a gain that changes in contact moves neither the stylus nor the force, and bounds the stiffness") {
+  // Down to 2 mm below the floor, and from 0.3 s on another 2 mm.
+  const auto depth_mm = [](double t) { return std::min(2.0, 40 * t - 2) + std::clamp(20 * (t - 0.3), 0.0, 2.0); };
+  for (const double gain : {0.05, 0.25, 1.0, 4.0}) {
+    CAPTURE(gain);
+    ScriptedDevice device(
+        [&](double time_s) -> DeviceState { return {.position = {0, -depth_mm(time_s), 0}, .ok = true}; },
+        {.peakForce_N = 3, .mostStiffness_N_per_mm = 0.6});
+    Ground ground;
+    ForceOptions force{.stiffness_N_per_mm = 0.4, .damping_N_s_per_mm = 0};
+    ServoLoop loop(device, ground, ForceLaw(force, {}), {.duration_s = 0.5}, {.passivity = PassivityMode::off});
+    int tick = 0;
+    const Trace trace = loop
+                            .run([&](const TraceRow&) {
+                              if (++tick != 200) return;
+                              force.handGain = gain;
+                              loop.setForce(force);
+                            })
+                            .trace();
+    REQUIRE(trace.rows.size() == 500);
+    const auto& rows = trace.rows;
+    CHECK(rows[199].hip.y == near(-2, 1e-9));
+    CHECK(rows[199].force_N.y == near(0.8, 1e-6));
+    for (int i = 200; i < 300; ++i) {
+      CHECK(rows[i].hip.y == near(-2, 1e-9));
+      CHECK(rows[i].force_N.y <= 0.8 + 1e-9);
+    }
+    // From there on the stylus moves by the gain, and the force is bounded.
+    CHECK(rows[499].hip.y == near(-2 - 2 * gain, 1e-6));
+    const double stiffness = std::min(0.4, 0.6 / std::max(1.0, gain));
+    CHECK(rows[499].force_N.y == near(std::min(3.0, stiffness * (2 + 2 * gain)), 1e-3));
+    for (int i = 1; i < 500; ++i) CHECK(std::abs(rows[i].force_N.y - rows[i - 1].force_N.y) <= 0.6 + 1e-9);
+  }
+}
+
+TEST_CASE("a script says where the stylus is, whatever the gain of the hand") {
+  ScriptedDevice device([](double time_s) -> DeviceState { return {.position = {100 * time_s, 0, 0}, .ok = true}; },
+                        {.handHeld = false});
+  Ground ground;
+  ServoLoop loop(device, ground, ForceLaw({.handGain = 0.25}, {}), {.duration_s = 0.1});
+  CHECK(loop.run().trace().rows[50].hip.x == near(5, 1e-9));
 }
 
 TEST_CASE("a device without buttons sculpts whenever it touches") {

@@ -3,8 +3,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 
+#include "tests/near.hpp"
 #include "tests/select/some_points.hpp"
 
 namespace palpate::select_test {
@@ -47,6 +50,37 @@ TEST_CASE("bits and sets of points are the same, at any number of points") {
     CHECK(((all - bits) | bits) == all);
     CHECK(all.set() == PointSet::range(0, count));
   }
+}
+
+TEST_CASE("rims and means of locks are those of all pairs, and sharpened rims become hard where they were half") {
+  for (const std::size_t count : kCounts)
+    for (const double radius : {0.0, 0.06, 0.3, 5.0}) {
+      CAPTURE(count);
+      CAPTURE(radius);
+      const std::vector<PointState> points = scattered(count, 11, DVec3(4e3, -3e3, 1e3));
+      const PointBits among = shownPoints(points, {}), of = everyThird(count) & among;
+      const std::vector<std::uint8_t> rim = withRim(points, among, of, radius, 2);
+      const std::vector<std::uint8_t> mean = blurred(points, rim, radius, 2);
+      REQUIRE(rim.size() == count);
+      REQUIRE(mean.size() == count);
+      for (std::size_t i = 0; i < count; ++i) {
+        double nearest = of.test(i) ? 0 : 1, sum = rim[i], total = 1;
+        for (std::size_t k = 0; k < count && radius > 0; ++k) {
+          const double r = distance(points[i], points[k]) / radius;
+          if (of.test(k) && among.test(i)) nearest = std::min(nearest, r);
+          if (k == i || points[k].gone || points[i].gone || !(r < 1)) continue;
+          sum += (1 - r * r) * (1 - r * r) * rim[k];
+          total += (1 - r * r) * (1 - r * r);
+        }
+        CHECK(rim[i] == within(255 * (1 - nearest * nearest * (3 - 2 * nearest)), 0.51));
+        CHECK(mean[i] == within(sum / total, 0.51));
+      }
+    }
+  std::vector<std::uint8_t> weights;
+  for (int weight = 0; weight < 256; ++weight) weights.push_back(static_cast<std::uint8_t>(weight));
+  CHECK(std::ranges::is_sorted(sharpened(weights)));
+  for (int k = 0; k < 8; ++k) weights = sharpened(weights);
+  for (std::size_t weight = 0; weight < 256; ++weight) CHECK(weights[weight] == (weight < 128 ? 0 : 255));
 }
 
 TEST_CASE("points in balls, and what grows and shrinks, are those of all pairs") {

@@ -3,9 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "haptics/session/session_replay.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/backend_kind.hpp"
 #include "tests/session/session_scene.hpp"
@@ -150,6 +152,11 @@ TEST_CASE("a recorded session repeats hidings and locks in contact, bit by bit")
     ++ticks;
     const std::size_t at = static_cast<std::size_t>(scene.session.config().rate_Hz);
     if (ticks == at / 8) scene.session.setMask(MaskRole::locked, scene.where(isRight));
+    if (ticks == at / 6) {  // right half in part
+      std::vector<std::uint8_t> weights = scene.session.lockWeights();
+      for (std::uint8_t& weight : weights) weight /= 2;
+      scene.session.setLockWeights(weights);
+    }
     if (ticks == at / 5) scene.session.setMask(MaskRole::hidden, scene.where(isTop));
     if (ticks == at / 4) scene.session.setMask(MaskRole::hidden, {});
   };
@@ -170,6 +177,83 @@ TEST_CASE("a recorded session repeats hidings and locks in contact, bit by bit")
   CHECK(outcome.differences.ends);
   CHECK(outcome.differences.forceTicks == 0);
   CHECK(outcome.differences.points == 0);
+}
+
+TEST_CASE("points that are locked in part yield less, undo restores their locks, and a file has them") {
+  Masked scene;
+  const std::vector<PointState> before = scene.points();
+  const auto moved = [&] {  // mean displacement of the points around the middle of the stroke, which is undone
+    const std::vector<PointState> after = scene.points();
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < before.size(); ++i)
+      if (std::hypot(before[i].position.x, before[i].position.y) < 3 && before[i].position.z > 0) {
+        sum += glm::distance(before[i].position, after[i].position);
+        ++count;
+      }
+    scene.session.undo(1, 0);
+    CHECK(areAsBefore(before, scene.points()));
+    return sum / static_cast<double>(count);
+  };
+  scene.stroke();
+  const double whole = moved();
+  CHECK(whole > 0.2);
+  // A mask of bits while no point is locked in part, and a field from then on.
+  const LayerAttributes& attributes = scene.session.scene().layers[0].attributes;
+  const std::vector<std::uint8_t> none(before.size()), half(before.size(), 128);
+  std::vector<std::uint8_t> right(before.size()), mixed = half;
+  scene.where(isRight).forEach([&](std::uint64_t point) { right[point] = 255, mixed[point] = 0; });
+  scene.session.setLockWeights(right);
+  CHECK(attributes.fields().empty());
+  CHECK(attributes.mask(MaskRole::locked) == scene.where(isRight));
+  scene.session.setLockWeights(half);
+  CHECK(scene.session.lockWeights() == half);
+  CHECK(attributes.fields().size() == 1);
+  scene.stroke();
+  CHECK(moved() / whole == within(0.5, 0.1));
+  scene.session.setMask(MaskRole::locked, PointSet::range(0, before.size()));
+  CHECK(scene.stroke() > 0.3);
+  CHECK(scene.points() == before);
+  scene.session.setLockWeights(none);
+  scene.session.setLockWeights(mixed);
+  // Each of them is one change, which undo and redo exchange whole.
+  CHECK(scene.session.undo(1, 0).undone == 1);
+  CHECK(scene.session.lockWeights() == none);
+  CHECK(scene.session.undo(2, 0).undone == 2);
+  CHECK(scene.session.lockWeights() == half);
+  CHECK(scene.session.undo(1, 0).undone == 1);
+  CHECK(scene.session.lockWeights() == right);
+  CHECK(attributes.fields().empty());
+  scene.stroke();
+  CHECK(changedAmong(scene.where(isRight), before, scene.points()) == 0);
+  CHECK(scene.session.undo(1, 0).undone == 1);
+  CHECK(scene.session.undo(0, 4).redone == 1);
+}
+
+TEST_CASE("a file with the property lock is locked by it, also for new points") {
+  const Masked source;
+  Model model = source.model;
+  Attribute lock{std::string(kLockField), ScalarType::u8, std::vector<std::byte>(model.cloud.size(), std::byte{255})};
+  model.cloud.extra.push_back(lock);
+  const std::unique_ptr<BackendKind> kind = backendKind();
+  Session locked(pushing(), model, source.parts());
+  const auto stroke = [](Session& session) {
+    CHECK(runAlone(session, strokeFrom({0.02, 0, 1}, 2)).trace().rows.size() > 10);
+    session.finish();
+  };
+  stroke(locked);
+  CHECK(locked.strokes().strokes == 0);
+  locked.setMask(MaskRole::locked, {});
+  stroke(locked);
+  CHECK(locked.strokes().strokes == 1);
+  // New points have the lock of the point that they come from: in a session that saves them they stay.
+  std::vector<std::uint8_t> weights(locked.history()->points().size(), 7);
+  locked.setLockWeights(weights);
+  const PointCloud saved = editedCloud(model.cloud, locked.history()->points(),
+                                       locked.scene().layers[0].attributes.fields());
+  const auto field = std::ranges::find(saved.extra, kLockField, &Attribute::name);
+  REQUIRE(field != saved.extra.end());
+  CHECK(std::ranges::count(field->data, std::byte{7}) == static_cast<std::ptrdiff_t>(saved.size()));
 }
 
 TEST_CASE("a session that begins with the masks of another one feels and changes the same points") {

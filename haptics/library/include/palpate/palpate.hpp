@@ -251,6 +251,8 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   void setMask(pp_mask which, const std::vector<std::uint8_t>& mask) {
     check(pp_session_set_mask(handle(), which, mask.data(), mask.size()));
   }
+  /// Softens the rims of what is locked (pp_session_soften_lock()).
+  void softenLock(double radius_mm) { check(pp_session_soften_lock(handle(), radius_mm)); }
   /// Removes the points of such a mask, as one stroke (pp_session_remove_points()).
   void removePoints(const std::vector<std::uint8_t>& mask) {
     check(pp_session_remove_points(handle(), mask.data(), mask.size()));

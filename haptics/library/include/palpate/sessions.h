@@ -77,6 +77,9 @@ typedef struct pp_contact_options {
   double stiffness_N_per_mm; /**< of the spring from HIP to proxy, N/mm; default 0.8 */
   double damping_N_s_per_mm; /**< of the damper on its change, N s/mm; default 0.002 */
   double max_force_N;        /**< limit of the magnitude, N; default 3.3 */
+  /** Motion of the stylus for a motion of the hand, of a live device that is held, 0.05 to 4; default 1. It changes
+   * about where the stylus is: neither that nor the force changes at once. */
+  double hand_gain;
 } pp_contact_options;
 PP_OPTIONS(contact_options)
 

@@ -72,6 +72,10 @@ typedef struct pp_brush {
    * or "PX,PY,PZ,NX,NY,NZ", a position on the plane and its normal in the model's coordinates; null or "": it is not.
    * The force is that of the hand alone. */
   const char* symmetry;
+  /** inflate, 1: a stroke that passes over points again, or rests, raises them on; 0: by as much as the hand presses;
+   * default 0. Push, carve, flatten and grab follow the hand, smooth and paint always accumulate. */
+  uint32_t accumulate;
+  uint32_t reserved; /**< not used */
 } pp_brush;
 PP_OPTIONS(brush)
 /** Sets the brush of pp_touch(), and of the present or next live hand; null: they only feel. The first brush of a
@@ -111,7 +115,11 @@ typedef enum pp_mask {
   PP_MASK_SELECTED = 0, /**< commands act on them */
   PP_MASK_HIDDEN = 1,   /**< neither drawn nor felt; saved as all others are */
   PP_MASK_LOCKED = 2,   /**< felt, and no brush changes them */
-  PP_MASK_WITHIN = 3    /**< if there are any, brushes change no others */
+  PP_MASK_WITHIN = 3,   /**< if there are any, brushes change no others */
+  /** How far points are locked, 0 to 255: brushes move a point by the rest of what they would move it; paint works at
+   * the rest of its strength, and carve cuts points up to 127. 255 is PP_MASK_LOCKED, which 0 and 255 alone
+   * are the same as; other weights are saved with the points, as the property "lock", and a file with it is locked so. */
+  PP_MASK_LOCK_WEIGHTS = 4
 } pp_mask;
 /** Sets a mask of the present points, until it is set again or undone as a stroke is; new points get the masks of those
  * that they come from. `mask`: a byte for each of the `points` points, in the order of pp_session_cloud(); 0: the point
@@ -129,6 +137,10 @@ PP_API pp_status pp_session_move_points(pp_session session, const uint8_t* mask,
                                         const double* rotation, double scale, const double* offset);
 /** Copies a mask: 1 for points in it, else 0. Order and errors as for pp_session_set_mask(). */
 PP_API pp_status pp_session_mask(pp_session session, pp_mask which, uint8_t* mask, uint64_t points);
+/** Softens the rims of what is locked: each weight (PP_MASK_LOCK_WEIGHTS) becomes the mean of the weights of the points
+ * nearer than `radius_mm`, mm in the hand, which count less the farther they are. Undone as a stroke. Errors as for
+ * pp_session_set_mask(), and PP_ERROR_ARGUMENT for a radius that is not positive. */
+PP_API pp_status pp_session_soften_lock(pp_session session, double radius_mm);
 /** Takes in the edits that pp_touch() with a budget, or a live hand, has made. Call it some thirty times a second:
  * edits are dropped once too many are pending. Pictures and pp_live_read_ticks() do it, too. In a joined session this
  * also sends the edits to the other programs; PP_ERROR_NETWORK once this hand's part in it has ended. */

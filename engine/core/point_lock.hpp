@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/core/point_set.hpp"
+
+namespace palpate {
+
+/// The points that brushes leave as they are, and those that they change less.
+struct PointLock {
+  static constexpr std::uint8_t kWhole = 255;
+
+  PointSet points;  ///< wholly locked
+  /// By number: the share of a brush's effect that a point does not get, of kWhole. Points behind the end have the
+  /// weight of their parents. Empty: all are wholly locked, or free.
+  std::vector<std::uint8_t> weights;
+
+  bool empty() const { return points.empty() && weights.empty(); }
+  bool operator==(const PointLock&) const = default;
+};
+
+}  // namespace palpate
