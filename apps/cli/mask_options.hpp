@@ -17,9 +17,7 @@ struct MaskConditions {
   std::array<std::string, kMaskRoles> where;
   double lockRim_mm = 0;  ///< width of the soft rim around the locked points
 
-  bool empty() const {
-    return std::ranges::all_of(where, &std::string::empty);
-  }
+  bool empty() const { return std::ranges::all_of(where, &std::string::empty); }
 };
 
 void addMaskOptions(Options& command, MaskConditions& masks);

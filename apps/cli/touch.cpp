@@ -244,8 +244,7 @@ void warnOfSmallBrush(Context& context, const TouchCommandOptions& options, cons
 
 SessionParts partsOf(Context& context, const TouchCommandOptions& options, const SessionConfig& config,
                      DrawnFollower*& sight) {
-  const bool keeps =
-      config.brush && (!options.saveFile.empty() || options.undo.undo > 0 || !options.masks.empty());
+  const bool keeps = config.brush && (!options.saveFile.empty() || options.undo.undo > 0 || !options.masks.empty());
   return {.backend = context.backends().named(config.backend.name),
           .threads = context.threads(),
           .keepsPoints = keeps || !options.logFile.empty(),

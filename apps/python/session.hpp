@@ -74,7 +74,8 @@ class PySession {
   py::array nearest(const py::object& positions, double max_distance, bool surface);
   /// Sets those that are given.
   void setContact(const std::optional<std::string>& surface, std::optional<double> friction,
-                  std::optional<double> stiffness, std::optional<double> damping, std::optional<double> max_force);
+                  std::optional<double> stiffness, std::optional<double> damping, std::optional<double> max_force,
+                  std::optional<double> hand_gain);
   py::array raycast(const py::object& origins, const py::object& directions, double max_distance);
   py::array rows();
   py::array render(const std::pair<std::uint32_t, std::uint32_t>& size, const pp_picture_options& options);

@@ -77,7 +77,8 @@ void bindTouch(py::class_<PySession>& session) {
            "mm in the hand, or radius and yield_depth, in model units; push_rate (push: share of the distance to its\n"
            "target that a point moves in one tick, 0 to 1), strength (share of the full effect in one tick,\n"
            "0 to 1), falloff (0 to 16), resample (points are inserted where the surface is stretched\n"
-           "and merged where it is crowded), accumulate (inflate: a stroke raises points on where it passes again), color (three of 0 to 255), symmetry (each edit is also made mirrored, at\n"
+           "and merged where it is crowded), accumulate (inflate: a stroke raises points on where it passes again), "
+           "color (three of 0 to 255), symmetry (each edit is also made mirrored, at\n"
            "the plane across \"x\", \"y\" or \"z\" through the middle of the model, or at\n"
            "\"PX,PY,PZ,NX,NY,NZ\", a position and the plane's normal). Of several hands the first one sculpts.")
       .def(
@@ -96,8 +97,7 @@ void bindTouch(py::class_<PySession>& session) {
           "set_mask",
           [](PySession& self, const std::string& which, const py::array& mask) {
             const pp_mask role = maskNamed(which);
-            const std::vector<std::uint8_t> bytes =
-                role == PP_MASK_LOCK_WEIGHTS ? weightBytes(mask) : maskBytes(mask);
+            const std::vector<std::uint8_t> bytes = role == PP_MASK_LOCK_WEIGHTS ? weightBytes(mask) : maskBytes(mask);
             self.with([&](pp::Session& open) { open.setMask(role, bytes); });
           },
           py::arg("which"), py::arg("mask"),
@@ -109,9 +109,7 @@ void bindTouch(py::class_<PySession>& session) {
           "undoes it as a stroke. The first mask of a session is set before it is live.")
       .def(
           "soften_lock",
-          [](PySession& self, double radius_mm) {
-            self.with([&](pp::Session& open) { open.softenLock(radius_mm); });
-          },
+          [](PySession& self, double radius_mm) { self.with([&](pp::Session& open) { open.softenLock(radius_mm); }); },
           py::arg("radius_mm"),
           "soften_lock(radius_mm)\n\n"
           "Softens the rims of what is locked: each weight becomes the mean of the weights of the points nearer\n"

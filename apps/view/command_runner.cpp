@@ -227,8 +227,8 @@ void CommandRunner::fitCamera() {
 void CommandRunner::carryOut(SelectCommand command) {
   hands_.select().carryOut(command, parts_.settings.select, hands_.pointed());
   if (command >= SelectCommand::closeOutline || !parts_.document.session()) return;
-  const std::string remark = palpate::carryOut(command, *parts_.document.session(), parts_.settings.brush,
-                                               parts_.settings.select.rim_mm);
+  const std::string remark =
+      palpate::carryOut(command, *parts_.document.session(), parts_.settings.brush, parts_.settings.select.rim_mm);
   if (!remark.empty()) parts_.messages.say(remark);
 }
 

@@ -38,15 +38,6 @@ PointBits lockedIn(const WindowSession& session) {
   return PointBits::where(weights.size(), 0, [&](std::size_t i) { return weights[i] == PointLock::kWhole; });
 }
 
-// Locks the selected points, with a rim, beside what is locked.
-void lockSelected(WindowSession& session, double rim) {
-  std::vector<std::uint8_t> weights = session.session().lockWeights();
-  const std::vector<std::uint8_t> added =
-      withRim(pointsOf(session), shownPoints(pointsOf(session), {}), selectedIn(session), rim);
-  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = std::max(weights[i], added[i]);
-  session.setLockWeights(weights);
-}
-
 std::vector<std::uint8_t> inverted(std::vector<std::uint8_t> weights) {
   for (std::uint8_t& weight : weights) weight = static_cast<std::uint8_t>(PointLock::kWhole - weight);
   return weights;
@@ -59,6 +50,15 @@ PointBits selectedIn(const WindowSession& session) {
   PointBits selected = maskOf(session, MaskRole::selected) & selectable(session);
   if (selected.count() == 0) throw Error("no points are selected");
   return selected;
+}
+
+// Locks the selected points, with a rim, beside what is locked.
+void lockSelected(WindowSession& session, double rim) {
+  std::vector<std::uint8_t> weights = session.session().lockWeights();
+  const std::vector<std::uint8_t> added =
+      withRim(pointsOf(session), shownPoints(pointsOf(session), {}), selectedIn(session), rim);
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = std::max(weights[i], added[i]);
+  session.setLockWeights(weights);
 }
 
 PointBits changeableIn(const WindowSession& session) {
@@ -312,8 +312,8 @@ const SelectionCounts& CountedSelection::of(const WindowSession& session) {
   counts_ = {.selected = ((maskOf(session, MaskRole::selected) & there) - maskOf(session, MaskRole::hidden)).count(),
              .hidden = count(MaskRole::hidden),
              .locked = locked,
-             .inPart = inPart,
-             .within = count(MaskRole::within)};
+             .within = count(MaskRole::within),
+             .inPart = inPart};
   return counts_;
 }
 

@@ -41,8 +41,8 @@ struct BrushOptions {
   std::uint32_t falloff = 1;
   std::array<std::uint8_t, 4> color{255, 0, 0, 255};  ///< paint: RGBA, 0 to 255
   bool resample = true;  ///< points are inserted where the surface is stretched and merged where it is crowded
-  /// Inflate: a stroke that passes over points again, or rests, raises them on; without, by as much as the hand presses.
-  /// Push, carve, flatten and grab follow the hand itself, smooth and paint always accumulate.
+  /// Inflate: a stroke that passes over points again, or rests, raises them on; without, by as much as the hand
+  /// presses. Push, carve, flatten and grab follow the hand itself, smooth and paint always accumulate.
   bool accumulate = false;
   /// Each edit is also made by the mirror image of the tool (MirroredStroke); empty: by the hand's tool alone.
   std::optional<MirrorPlane> symmetry;

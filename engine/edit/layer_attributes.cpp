@@ -27,7 +27,8 @@ void copyValue(Attribute& values, std::uint64_t from, std::uint64_t to) {
 
 const Attribute* LayerAttributes::lockValues(const PointCloud& file) const {
   const auto isBytes = [](const Attribute& values) { return values.type == ScalarType::u8; };
-  if (const auto field = fieldNamed(kLockField)) return isBytes(fields_[*field].values) ? &fields_[*field].values : nullptr;
+  if (const auto field = fieldNamed(kLockField))
+    return isBytes(fields_[*field].values) ? &fields_[*field].values : nullptr;
   const auto property = std::ranges::find(file.extra, kLockField, &Attribute::name);
   return property != file.extra.end() && isBytes(*property) ? &*property : nullptr;
 }

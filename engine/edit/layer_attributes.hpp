@@ -14,8 +14,8 @@
 
 namespace palpate {
 
-/// Field of bytes, or property of a file, with the weights of the points' locks (PointLock). Where there is one, the mask
-/// of locked points does not count.
+/// Field of bytes, or property of a file, with the weights of the points' locks (PointLock). Where there is one, the
+/// mask of locked points does not count.
 inline constexpr std::string_view kLockField = "lock";
 
 /// The masks and the fields of a layer's points, by number. What a removed point has stays until it is restored, and

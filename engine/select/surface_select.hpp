@@ -30,8 +30,8 @@ PointBits shrunk(std::span<const PointState> points, const PointBits& among, con
 PointBits connectedWith(std::span<const PointState> points, const PointBits& among, const PointBits& seeds,
                         double reach, unsigned threads = 0);
 
-/// Weights of locks by number (PointLock::kWhole): whole for `of`, and for those of `among` within `width` of it less the
-/// farther they are, down to none.
+/// Weights of locks by number (PointLock::kWhole): whole for `of`, and for those of `among` within `width` of it less
+/// the farther they are, down to none.
 std::vector<std::uint8_t> withRim(std::span<const PointState> points, const PointBits& among, const PointBits& of,
                                   double width, unsigned threads = 0);
 /// Means of the weights of the existing points nearer than `radius`, which count less the farther they are.

@@ -26,8 +26,7 @@ inline constexpr auto kBrushFields = std::make_tuple(
     std::pair{&pp_brush::yield_depth_mm, &BrushConfig::yieldDepth_mm},
     std::pair{&pp_brush::push_rate, &BrushConfig::pushRate}, std::pair{&pp_brush::radius_mm, &BrushConfig::radius_mm},
     std::pair{&pp_brush::strength, &BrushConfig::strength}, std::pair{&pp_brush::color, &BrushConfig::color},
-    std::pair{&pp_brush::resample, &BrushConfig::resample},
-    std::pair{&pp_brush::accumulate, &BrushConfig::accumulate});
+    std::pair{&pp_brush::resample, &BrushConfig::resample}, std::pair{&pp_brush::accumulate, &BrushConfig::accumulate});
 inline constexpr auto kSessionFields =
     std::make_tuple(std::pair{&pp_session_options::rate_Hz, &SessionConfig::rate_Hz});
 inline constexpr auto kUndoFields =

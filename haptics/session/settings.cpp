@@ -181,11 +181,9 @@ constexpr Setting<BrushConfig> kBrush[]{
      {},
      {},
      true},
-    {"accumulate",
-     &BrushConfig::accumulate,
-     "--accumulate",
-     "inflate: raise points on where a stroke passes over them again, or rests; without it a stroke raises them once, by "
-     "as much as the hand presses. Push, carve, flatten and grab follow the hand; smooth and paint always accumulate"},
+    {"accumulate", &BrushConfig::accumulate, "--accumulate",
+     "inflate: raise points on where a stroke passes over them again, or rests; else a stroke raises them once, by as "
+     "much as the hand presses"},
     {"symmetry", &BrushConfig::symmetry, "--symmetry",
      "also make each edit mirrored: x, y or z, at the plane across that axis through the middle of the model, or a "
      "position on the plane and its normal, PX,PY,PZ,NX,NY,NZ in file coordinates (default: not mirrored)"},

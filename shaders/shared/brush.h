@@ -103,8 +103,8 @@ PALPATE_STRUCT(FoundPoint) {
 };
 PALPATE_SINGLE(FoundPoint);
 
-// The share of a brush's effect that the lock of a point leaves. A cut has no part: carve acts wholly on points that are
-// locked by half at most, and on no others.
+// The share of a brush's effect that the lock of a point leaves. A cut has no part: carve acts wholly on points that
+// are locked by half at most, and on no others.
 PALPATE_FORMULA Real unlockedShare(PALPATE_OF(FoundPoint) found) { return Real(1.0) - found.lock; }
 PALPATE_FORMULA bool mayBeCut(PALPATE_OF(FoundPoint) found) { return unlockedShare(found) >= Real(0.5); }
 

@@ -64,7 +64,8 @@ TEST_CASE("a brush changes no locked point, and where only some may be changed, 
 TEST_CASE("around what is locked a soft rim moves in part, and a file that was saved with it is locked so") {
   const ScratchFolder folder;
   const Touched hard = touched(folder, "--brush-radius 10 --lock \"x < 0\"");
-  const Touched soft = touched(folder, "--brush-radius 10 --lock \"x < 0\" --lock-rim 8 --log " + (folder / "log").string());
+  const Touched soft =
+      touched(folder, "--brush-radius 10 --lock \"x < 0\" --lock-rim 8 --log " + (folder / "log").string());
   const auto moved = [](const Touched& touched, double from, double to) {
     double sum = 0;
     for (std::size_t i = 0; i < touched.before.size(); ++i)

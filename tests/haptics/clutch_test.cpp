@@ -109,14 +109,15 @@ TEST_CASE("a gain that changes in contact moves neither the stylus nor the force
   for (const double gain : {0.05, 0.25, 1.0, 4.0}) {
     CAPTURE(gain);
     ScriptedDevice device(
-        [&](double time_s) -> DeviceState { return {.position = {0, -depth_mm(time_s), 0}, .ok = true}; },
+        [&](double time_s) -> DeviceState {
+          return {.position = {0, -depth_mm(time_s), 0}, .ok = true};
+        },
         {.peakForce_N = 3, .mostStiffness_N_per_mm = 0.6});
     Ground ground;
     ForceOptions force{.stiffness_N_per_mm = 0.4, .damping_N_s_per_mm = 0};
     ServoLoop loop(device, ground, ForceLaw(force, {}), {.duration_s = 0.5}, {.passivity = PassivityMode::off});
     int tick = 0;
-    const Trace trace = loop
-                            .run([&](const TraceRow&) {
+    const Trace trace = loop.run([&](const TraceRow&) {
                               if (++tick != 200) return;
                               force.handGain = gain;
                               loop.setForce(force);
@@ -139,8 +140,11 @@ TEST_CASE("a gain that changes in contact moves neither the stylus nor the force
 }
 
 TEST_CASE("a script says where the stylus is, whatever the gain of the hand") {
-  ScriptedDevice device([](double time_s) -> DeviceState { return {.position = {100 * time_s, 0, 0}, .ok = true}; },
-                        {.handHeld = false});
+  ScriptedDevice device(
+      [](double time_s) -> DeviceState {
+        return {.position = {100 * time_s, 0, 0}, .ok = true};
+      },
+      {.handHeld = false});
   Ground ground;
   ServoLoop loop(device, ground, ForceLaw({.handGain = 0.25}, {}), {.duration_s = 0.1});
   CHECK(loop.run().trace().rows[50].hip.x == near(5, 1e-9));

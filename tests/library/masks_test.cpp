@@ -66,6 +66,49 @@ TEST_CASE("a brush changes no locked point, and a stroke keeps the masks that we
   CHECK(placesOf(ball.session) != before);
 }
 
+TEST_CASE("a program locks points in part, softens the rim, and undoes each to the bit") {
+  constexpr std::uint64_t kCount = 20'000;
+  const OpenBall ball(cpuOptions(), kCount);
+  const std::vector<double> before = placesOf(ball.session);
+  const auto path = pressPath(3);
+  const pp_brush brush = pp_default_brush();
+  const auto deepest = [&] {  // of a stroke, which is undone
+    stroke(ball.session, pathOf(path), brush);
+    const std::vector<double> after = placesOf(ball.session);
+    PP_REQUIRE_OK(pp_session_undo(ball.session, 1, nullptr));
+    CHECK(placesOf(ball.session) == before);
+    double most = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) most = std::max(most, std::abs(after[i] - before[i]));
+    return most;
+  };
+  const double whole = deepest();
+  CHECK(whole > 1);
+  std::vector<std::uint8_t> weights(kCount, 51), read(kCount);
+  PP_REQUIRE_OK(pp_session_set_mask(ball.session, PP_MASK_LOCK_WEIGHTS, weights.data(), kCount));
+  PP_REQUIRE_OK(pp_session_mask(ball.session, PP_MASK_LOCK_WEIGHTS, read.data(), kCount));
+  CHECK(read == weights);
+  CHECK(deepest() / whole == within(0.8, 0.05));
+  const std::vector<std::uint8_t> top = above(0, kCount);
+  PP_REQUIRE_OK(pp_session_set_mask(ball.session, PP_MASK_LOCKED, top.data(), kCount));
+  PP_REQUIRE_OK(pp_session_mask(ball.session, PP_MASK_LOCKED, read.data(), kCount));
+  CHECK(read == top);
+  PP_REQUIRE_OK(pp_session_soften_lock(ball.session, 10));
+  PP_REQUIRE_OK(pp_session_mask(ball.session, PP_MASK_LOCK_WEIGHTS, read.data(), kCount));
+  const BallArrays<double> arrays(kCount);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double height = arrays.positions[3 * i + 2];
+    if (std::abs(height) > 10.5) CHECK(read[i] == (height > 0 ? 255 : 0));
+    if (std::abs(height) < 0.5) CHECK(int{read[i]} == within(127, 25));
+  }
+  std::uint64_t done = 0;
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 3, &done));
+  CHECK(done == 3);
+  PP_REQUIRE_OK(pp_session_mask(ball.session, PP_MASK_LOCK_WEIGHTS, read.data(), kCount));
+  CHECK(read == std::vector<std::uint8_t>(kCount));
+  CHECK(pp_session_soften_lock(ball.session, 0) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("radius_mm"));
+}
+
 TEST_CASE("a program removes and moves points of a mask, all others stay, and undo restores them to the bit") {
   constexpr std::uint64_t kCount = 20'000;
   const OpenBall ball(cpuOptions(), kCount);

@@ -326,6 +326,19 @@ def test_masks_hide_and_lock_points_of_a_session(ball):
         session.set_mask("locked", np.ones(len(ball), dtype=bool))
         session.push(press_path(3), radius_mm=5)
         assert np.array_equal(session.cloud().positions, ball.positions)
+        session.set_mask("lock_weights", top.astype(np.uint8) * 200)
+        assert np.array_equal(session.mask("lock_weights"), top * 200)
+        assert session.mask("lock_weights").dtype == np.uint8 and not session.mask("locked").any()
+        session.soften_lock(5)
+        soft = session.mask("lock_weights")
+        assert ((soft > 0) & (soft < 200)).sum() > 100
+        session.push(press_path(3), radius_mm=5, accumulate=True)
+        assert not np.array_equal(session.cloud().positions, ball.positions)
+        with pytest.raises(pp.UsageError, match="a uint8 for each point"):
+            session.set_mask("lock_weights", top)
+        session.set_contact(hand_gain=0.5)
+        with pytest.raises(pp.UsageError, match="hand_gain"):
+            session.set_contact(hand_gain=0)
         for wrong in (top[:-1], top.astype(np.uint8), np.zeros((len(ball), 2), dtype=bool)):
             with pytest.raises(pp.UsageError, match="mask"):
                 session.set_mask("hidden", wrong)

@@ -249,8 +249,8 @@ TEST_CASE("a file with the property lock is locked by it, also for new points") 
   // New points have the lock of the point that they come from: in a session that saves them they stay.
   std::vector<std::uint8_t> weights(locked.history()->points().size(), 7);
   locked.setLockWeights(weights);
-  const PointCloud saved = editedCloud(model.cloud, locked.history()->points(),
-                                       locked.scene().layers[0].attributes.fields());
+  const PointCloud saved =
+      editedCloud(model.cloud, locked.history()->points(), locked.scene().layers[0].attributes.fields());
   const auto field = std::ranges::find(saved.extra, kLockField, &Attribute::name);
   REQUIRE(field != saved.extra.end());
   CHECK(std::ranges::count(field->data, std::byte{7}) == static_cast<std::ptrdiff_t>(saved.size()));

@@ -54,7 +54,6 @@ std::size_t changedAmong(const PointSet& points, const PointStates& before, cons
   return changed;
 }
 
-
 // The points before and after a stroke.
 struct Stroke {
   PointStates before, after;
@@ -93,9 +92,7 @@ class InPart : public OnBackEndInCore {
     stroke.after = sculptor.points();
     return stroke;
   }
-  std::vector<std::uint8_t> all(std::uint8_t weight) const {
-    return std::vector<std::uint8_t>(cloud_.size(), weight);
-  }
+  std::vector<std::uint8_t> all(std::uint8_t weight) const { return std::vector<std::uint8_t>(cloud_.size(), weight); }
   const PointCloud& cloud() const { return cloud_; }
 
  private:
@@ -106,7 +103,8 @@ class InPart : public OnBackEndInCore {
 }  // namespace
 
 TEST_CASE_FIXTURE(InPart, "a brush moves points that are locked in part by the rest of what it moves free ones") {
-  for (const BrushKind kind : {BrushKind::push, BrushKind::inflate, BrushKind::smooth, BrushKind::flatten, BrushKind::grab}) {
+  for (const BrushKind kind :
+       {BrushKind::push, BrushKind::inflate, BrushKind::smooth, BrushKind::flatten, BrushKind::grab}) {
     CAPTURE(traitsOf(kind).name);
     const double whole = stroke(kind, {}).depth();
     CHECK(whole > 0.03);

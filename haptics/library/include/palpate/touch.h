@@ -117,8 +117,8 @@ typedef enum pp_mask {
   PP_MASK_LOCKED = 2,   /**< felt, and no brush changes them */
   PP_MASK_WITHIN = 3,   /**< if there are any, brushes change no others */
   /** How far points are locked, 0 to 255: brushes move a point by the rest of what they would move it; paint works at
-   * the rest of its strength, and carve cuts points up to 127. 255 is PP_MASK_LOCKED, which 0 and 255 alone
-   * are the same as; other weights are saved with the points, as the property "lock", and a file with it is locked so. */
+   * the rest of its strength, and carve cuts points up to 127. 0 and 255 alone are PP_MASK_LOCKED; other weights are
+   * saved with the points, as the property "lock", by which a file is locked when it is opened. */
   PP_MASK_LOCK_WEIGHTS = 4
 } pp_mask;
 /** Sets a mask of the present points, until it is set again or undone as a stroke is; new points get the masks of those
