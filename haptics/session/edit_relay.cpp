@@ -131,7 +131,11 @@ void EditRelay::exchange(AttributeChange& change, EditMark::Kind kind, bool inBa
 }
 
 void EditRelay::applyLock() {
-  if (edits_) edits_->lock(attributes_.lock(cloud_, keepsPoints() ? history_->points() : PointStates(cloud_)));
+  if (!edits_) return;
+  if (keepsPoints())
+    edits_->lock(attributes_.lock(cloud_, history_->points()));
+  else
+    edits_->lock(attributes_.lock(cloud_, PointStates(cloud_)));
 }
 
 void EditRelay::applyHidden() {

@@ -225,7 +225,8 @@ class Session {
   /// or the points are not followed.
   void setMask(MaskRole role, const PointSet& points);
   /// Weights of the points' locks, by number, of PointLock::kWhole; and sets them, as one change: as a mask while all
-  /// points are wholly locked or free, and as the field kLockField from the first other weight on.
+  /// points are wholly locked or free, and as the field kLockField from the first other weight on. Points behind the
+  /// end of `weights` get those of their parents.
   std::vector<std::uint8_t> lockWeights() const;
   void setLockWeights(std::span<const std::uint8_t> weights);
   /// Number of the field of that name. The first call makes it, of the file's property or with zeros, until undo();

@@ -172,11 +172,15 @@ std::vector<std::uint8_t> Session::lockWeights() const {
   return attributesFor(Action::select, "lock").lockWeights(model().cloud, history()->points());
 }
 
-void Session::setLockWeights(std::span<const std::uint8_t> weights) {
+void Session::setLockWeights(std::span<const std::uint8_t> given) {
   const LayerAttributes& attributes = attributesFor(Action::select, "lock");
   between([&] {
-    const std::size_t points = history()->points().size();
-    if (weights.size() != points) throw Error("lock: {} weights for {} points", weights.size(), points);
+    const PointStates& states = history()->points();
+    const std::size_t points = states.size();
+    if (given.size() < model().cloud.size() || given.size() > points)
+      throw Error("lock: {} weights for {} points", given.size(), points);
+    std::vector<std::uint8_t> weights(given.begin(), given.end());
+    while (weights.size() < points) weights.push_back(weights[states[weights.size()].parent]);
     const bool hasField = attributes.hasLockField(model().cloud);
     PointSet locked, changed;
     std::vector<std::byte> values;

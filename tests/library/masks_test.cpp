@@ -152,7 +152,7 @@ TEST_CASE("masks of another length, unknown masks, and the first one of a live s
   PP_CHECK_FAILS(pp_session_set_mask(ball.session, PP_MASK_HIDDEN, mask.data(), 2'001), PP_ERROR_ARGUMENT,
                  "2001 values were given, but there are 2000 points");
   PP_CHECK_FAILS(pp_session_set_mask(ball.session, PP_MASK_HIDDEN, nullptr, 2'000), PP_ERROR_ARGUMENT, "mask: is null");
-  PP_CHECK_FAILS(pp_session_set_mask(ball.session, static_cast<pp_mask>(4), mask.data(), 2'000), PP_ERROR_ARGUMENT,
+  PP_CHECK_FAILS(pp_session_set_mask(ball.session, static_cast<pp_mask>(5), mask.data(), 2'000), PP_ERROR_ARGUMENT,
                  "is not a pp_mask");
   const OpenBall other(cpuOptions(), 2'000);
   pp_live_options live = pp_default_live_options();

@@ -1,6 +1,7 @@
 // Points that brushes leave as they are, on each back end.
 #include "engine/core/named_values.hpp"
 #include "engine/edit/history.hpp"
+#include "tests/near.hpp"
 #include "tests/scenes.hpp"
 #include "tests/touch/back_end.hpp"
 
