@@ -40,18 +40,22 @@ std::array<int, 2> movedIn(const Touched& touched, double y) {
   return moved;
 }
 
-}  // namespace
-
-TEST_CASE("a brush changes no locked point, and where only some may be changed, no other one") {
-  const ScratchFolder folder;
-  const std::string wide = "--brush-radius 10 ";
-  const Touched free = touched(folder, wide);
+// A y that divides the points that have moved.
+double middleOf(const Touched& free) {
   std::vector<float> moved;
   for (std::size_t i = 0; i < free.before.size(); ++i)
     if (hasMoved(free, i)) moved.push_back(free.before.positions[i].y);
   std::ranges::sort(moved);
   REQUIRE(moved.size() > 40);
-  const double y = 0.5 * (double{moved[moved.size() / 2]} + double{moved[moved.size() / 2 - 1]});
+  return 0.5 * (double{moved[moved.size() / 2]} + double{moved[moved.size() / 2 - 1]});
+}
+
+}  // namespace
+
+TEST_CASE("a brush changes no locked point, and where only some may be changed, no other one") {
+  const ScratchFolder folder;
+  const std::string wide = "--brush-radius 10 ";
+  const double y = middleOf(touched(folder, wide));
   const Touched locked = touched(folder, wide + fmt::format("--lock \"y < {}\"", y));
   CHECK(movedIn(locked, y)[0] == 0);
   CHECK(movedIn(locked, y)[1] > 10);
@@ -63,19 +67,21 @@ TEST_CASE("a brush changes no locked point, and where only some may be changed, 
 
 TEST_CASE("around what is locked a soft rim moves in part, and a file that was saved with it is locked so") {
   const ScratchFolder folder;
-  const Touched hard = touched(folder, "--brush-radius 10 --lock \"x < 0\"");
-  const Touched soft =
-      touched(folder, "--brush-radius 10 --lock \"x < 0\" --lock-rim 8 --log " + (folder / "log").string());
-  const auto moved = [](const Touched& touched, double from, double to) {
+  const double y = middleOf(touched(folder, "--brush-radius 10"));
+  const std::string locks = fmt::format("--brush-radius 10 --lock \"y < {}\" ", y);
+  const Touched hard = touched(folder, locks);
+  const Touched soft = touched(folder, locks + "--lock-rim 6 --log " + (folder / "log").string());
+  const auto moved = [y](const Touched& touched, double from, double to) {
     double sum = 0;
     for (std::size_t i = 0; i < touched.before.size(); ++i)
-      if (touched.before.positions[i].x >= from && touched.before.positions[i].x < to)
+      if (touched.before.positions[i].y >= y + from && touched.before.positions[i].y < y + to)
         sum += glm::distance(touched.before.positions[i], touched.after.positions[i]);
     return sum;
   };
-  CHECK(moved(soft, -100, 0) == 0);
-  CHECK(moved(soft, 0, 4) < 0.5 * moved(hard, 0, 4));
-  CHECK(moved(soft, 4, 8) > 0.05 * moved(hard, 4, 8));
+  CHECK(moved(soft, -200, 0) == 0);
+  CHECK(moved(soft, 0, 1.5) < 0.5 * moved(hard, 0, 1.5));
+  CHECK(moved(soft, 0, 1.5) > 0.1 * moved(hard, 0, 1.5));
+  CHECK(moved(soft, 3, 4.5) > 0.6 * moved(hard, 3, 4.5));
   works("--quiet replay " + (folder / "log").string());
   // The saved file is locked by its property, without an option.
   const std::string saved = (folder / "saved.ply").string(), again = (folder / "again.ply").string();
