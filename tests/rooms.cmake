@@ -52,7 +52,7 @@ palpate_system_sources(tests_haptics fake_devices/mapped_note)
 add_dependencies(tests_haptics fake_drivers)
 # The cases of these run on the CPU here and on the GPU in tests_session_gpu (session/backend_kind.hpp).
 set(both_session_back_ends session/command_storm_test.cpp session/masked_session_test.cpp
-    session/symmetric_strokes_test.cpp)
+    session/symmetric_strokes_test.cpp session/stroke_layers_test.cpp)
 palpate_tests(session LINKS palpate::session WITH session/cpu_backend_kind.cpp fake_devices/fake_haply.cpp)
 palpate_system_sources(tests_session fake_devices/mapped_note)
 add_dependencies(tests_session fake_drivers)

@@ -221,6 +221,7 @@ void checkModel(const TouchCommandOptions& options, const SessionConfig& config,
   const Abilities can(modelKindOf(config, model));
   if (!options.saveFile.empty()) can.require(Action::save, "--save");
   if (options.undo.undo > 0) can.require(Action::undo, "--undo");
+  if (options.layer->given()) can.require(Action::layer, "--layer-strength");
   if (!options.logFile.empty()) can.require(Action::record, "--log");
 }
 
@@ -244,7 +245,9 @@ void warnOfSmallBrush(Context& context, const TouchCommandOptions& options, cons
 
 SessionParts partsOf(Context& context, const TouchCommandOptions& options, const SessionConfig& config,
                      DrawnFollower*& sight) {
-  const bool keeps = config.brush && (!options.saveFile.empty() || options.undo.undo > 0 || !options.masks.empty());
+  const bool isAsked =
+      !options.saveFile.empty() || options.undo.undo > 0 || !options.masks.empty() || options.layer->given();
+  const bool keeps = config.brush && isAsked;
   return {.backend = context.backends().named(config.backend.name),
           .threads = context.threads(),
           .keepsPoints = keeps || !options.logFile.empty(),
@@ -275,13 +278,18 @@ void writeTraces(Outputs& outputs, const TouchCommandOptions& options, const std
   });
 }
 
-/// Ends the edits of the session and undoes strokes. After a failure of the back end: saveAndThrow().
+/// Ends the edits of the session, undoes strokes, and gives the others their strength. After a failure of the back end:
+/// saveAndThrow().
 std::optional<UndoneStrokes> finish(Session& session, const TouchCommandOptions& options) {
   try {
     session.finish();
-    if (options.undo.undo == 0) return {};
-    const UndoneStrokes undone = session.undo(options.undo.undo, options.undo.redo);
-    session.settleShared(kSharedPatience_s);
+    std::optional<UndoneStrokes> undone;
+    if (options.undo.undo > 0) {
+      undone = session.undo(options.undo.undo, options.undo.redo);
+      session.settleShared(kSharedPatience_s);
+    }
+    if (options.layer->given() && session.scene().layers[0].attributes.strokeLayers().size() > 0)
+      session.setStrokeLayer(0, {.name = "strokes", .strength = options.layerStrength}, false);
     return undone;
   } catch (const std::exception& error) {  // also where memory has run out
     session.abandonEdits();
@@ -354,6 +362,7 @@ void touch(Context& context, const TouchCommandOptions& options, bool isOpen) {
   DrawnFollower* sight = nullptr;
   Session session(config, std::move(model), partsOf(context, options, config, sight));
   setMasks(context, options.masks, session);
+  if (options.layer->given()) session.setStrokeLayer(0, {.name = "strokes"}, true);
   if (!options.logFile.empty())
     session.record(options.logFile, hands.front(),
                    [&context](const std::string& what) { context.log().say("{}", what); });

@@ -30,6 +30,8 @@ struct TouchCommandOptions {
   SessionConfig session;  ///< rate, duration and pace
   BrushConfig brush;
   UndoConfig undo;
+  double layerStrength = 1;
+  std::optional<Option> layer;  ///< of the command line: the strokes are a layer, of that strength
   MaskConditions masks;
   ForceOptions force;
   std::optional<Option> stiffness;  ///< of the command line

@@ -3,6 +3,7 @@
 #include "apps/cli/setting_options.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
+#include "engine/edit/stroke_layers.hpp"
 #include "haptics/builtin_path.hpp"
 #include "haptics/session/abilities.hpp"
 #include "haptics/session/devices.hpp"
@@ -18,6 +19,11 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
       .showDefault();
   addSettings(sub, options.brush, "kind");
   addMaskOptions(sub, options.masks);
+  options.layer = sub.add("--layer-strength", options.layerStrength,
+                          "strength of the strokes at the end, as of a layer in the window: with 0 the points are as "
+                          "before them, with 1 as they were made")
+                      .typeName("S")
+                      .check(between(kMinStrength, kMaxStrength));
   addSetting(sub, options.undo, "undo").typeName("N");
   addSetting(sub, options.undo, "redo").typeName("M");
   addSetting(sub, options.undo, "memory_MiB").showDefault();
@@ -118,6 +124,8 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
         !sceneNamed(options.model.file))
       throw UsageError("--save: requires a brush (--edit); without one no point changes");
     if (options.undo.undo > 0) throw UsageError("--undo: requires a brush (--edit); without one no point changes");
+    if (options.layer->given())
+      throw UsageError("--layer-strength: requires a brush (--edit); without one no point changes");
   }
   checkMaskOptions(options.masks, options.edit != "none");
   if (options.undo.redo > 0 && options.undo.undo == 0)

@@ -150,6 +150,50 @@ void bindTouch(py::class_<PySession>& session) {
           },
           py::arg("which"), "mask(which) -> array\n\nA mask of the present points, as for set_mask().")
       .def(
+          "open_layer",
+          [](PySession& self, const std::string& name) { self.with([&](pp::Session& open) { open.openLayer(name); }); },
+          py::arg("name"),
+          "open_layer(name)\n\n"
+          "Makes a layer of strokes, or opens one again at strength 1: all strokes become part of it, until another\n"
+          "one is opened, close_layer(), or until it slides, is hidden or merged. The first layer of a session is\n"
+          "made before it is live. undo() undoes this and the changes below as a stroke.")
+      .def(
+          "close_layer", [](PySession& self) { self.with([](pp::Session& open) { open.closeLayer(); }); },
+          "close_layer()\n\nStrokes become part of no layer.")
+      .def(
+          "slide_layer",
+          [](PySession& self, const std::string& name, double strength, bool continues) {
+            self.with([&](pp::Session& open) { open.slideLayer(name, strength, continues); });
+          },
+          py::arg("name"), py::arg("strength"), py::arg("continues") = false,
+          "slide_layer(name, strength, continues=False)\n\n"
+          "Gives the strokes of a layer another strength, from -1 to 2: with 0 the points are as before them, with 1\n"
+          "as after them, to the last bit. Points that the strokes removed are gone from 0.5 on; points that they\n"
+          "inserted slide from their parents, and are gone at 0. What other strokes did since stays. continues:\n"
+          "adds to the slide before, as one change to be undone.")
+      .def(
+          "hide_layer",
+          [](PySession& self, const std::string& name, bool hidden) {
+            self.with([&](pp::Session& open) { open.hideLayer(name, hidden); });
+          },
+          py::arg("name"), py::arg("hidden") = true,
+          "hide_layer(name, hidden=True)\n\nHides a layer of strokes, as with strength 0, or shows it again.")
+      .def(
+          "merge_layer",
+          [](PySession& self, const std::string& name) {
+            self.with([&](pp::Session& open) { open.mergeLayer(name); });
+          },
+          py::arg("name"), "merge_layer(name)\n\nMakes a layer part of the model, as strong as it is.")
+      .def(
+          "layer",
+          [](PySession& self, const std::string& name) {
+            const auto layer = self.with([&](pp::Session& open) { return open.layer(name); });
+            return py::make_tuple(layer.strength, layer.isHidden, layer.points);
+          },
+          py::arg("name"),
+          "layer(name) -> tuple\n\n"
+          "Strength of a layer of strokes, whether it is hidden, and the number of points that its strokes changed.")
+      .def(
           "undo",
           [](PySession& self, std::uint64_t strokes) {
             return self.with([&](pp::Session& open) { return open.undo(strokes); });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "apps/view/layer_commands.hpp"
 #include "apps/view/recent_files.hpp"
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/length_text.hpp"
@@ -53,6 +54,8 @@ void CommandRunner::carryOut(const ViewCommand& command) {
   if (const auto* set = std::get_if<SetValue>(&command)) parts_.messages.say(palpate::carryOut(*set, *session));
   carryOutVolume(command);
   if (const auto* keep = std::get_if<KeepSelection>(&command)) parts_.messages.say(palpate::carryOut(*keep, *session));
+  if (const auto* layer = std::get_if<LayerCommand>(&command))
+    if (const std::string remark = palpate::carryOut(*layer, *session); !remark.empty()) parts_.messages.say(remark);
   if (const auto* where = std::get_if<SelectWhere>(&command)) carryOut(*where);
   if (const auto* clean = std::get_if<CleanModel>(&command)) clean_.begin(*session, *clean, up);
   if (const auto* range = std::get_if<SetColorRange>(&command)) carryOut(*range);

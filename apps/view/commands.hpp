@@ -137,6 +137,13 @@ struct SetParameter {
 struct SetValue {
   std::string field, value;
 };
+/// Layers of strokes. add: a new one, into which strokes go; addOrClose: or none, if they go into one; slideFurther: as
+/// slide, in the same entry of the history.
+struct LayerCommand {
+  enum class What { add, addOrClose, open, close, slide, slideFurther, hide, show, merge } what;
+  std::string name;  ///< of a new one empty: layer 1, layer 2 and so on
+  double strength = 1;
+};
 /// Keeps the selection as a field: 1 of the selected points, 0 of all others.
 struct KeepSelection {
   std::string field;
@@ -184,7 +191,8 @@ using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, Bru
                                  FileCommand, BrowseCommand, ModelSide, LookAlong, WalkCommand, NamedViewCommand,
                                  MeasureCommand, SetParameter, SetValue, SelectVolume, SetVolume, FlipPlane,
                                  MirrorAtPlane, MoveSelection, KeepSelection, SelectWhere, CleanModel, SetColorRange,
-                                 SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, TryExample, CopyText>;
+                                 SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, TryExample, CopyText,
+                                 LayerCommand>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

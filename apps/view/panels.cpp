@@ -242,7 +242,7 @@ void Panels::drawModel(const ViewStatus& status) {
 
 void Panels::drawTool(const ViewStatus& status, WindowSettings& settings) {
   if (!header("Tool", true)) return;
-  if (settings.tool == WindowTool::sculpt) drawBrush(status, settings.brush, settings.view);
+  if (settings.tool == WindowTool::sculpt) drawBrush(status, settings.brush, settings.view), drawLayers(status);
   if (settings.tool == WindowTool::select) drawSelect(status, settings);
   const StrokeCounts counts = status.session->session().strokes();
   ImGui::BeginDisabled(counts.undoCount == 0);

@@ -193,6 +193,8 @@ class Panels {
   void drawOutline(const DrawnOutline& outline);
   void drawBrushHint(const BrushHint& hint) const;
   void drawSymmetry(std::string& symmetry);
+  void drawLayers(const ViewStatus& status);
+  void drawLayer(const StrokeLayers& layers, std::uint32_t number);
   void drawVolume(const DrawnVolume& volume);
   void drawVolumeNumbers(const ViewStatus& status, SelectShape shape);
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
@@ -248,13 +250,15 @@ class Panels {
   Gui& gui_;
   ViewCommands commands_;  // posted in this frame
   std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{}, colorRange_{}, where_{}, selectionName_{},
-      volume_{}, way_{}, angles_{}, factor_{}, viewName_{}, distanceName_{};
+      volume_{}, way_{}, angles_{}, factor_{}, viewName_{}, distanceName_{},
+      layerName_{};
   std::array<char, 128> searched_{};
   std::size_t found_ = 0;    // entry of the help that Enter carries out
   std::string_view opens_;   // section that is opened in this frame, and all others are closed; empty: none
   std::string shownVolume_;  // numbers of the volume when they were last put into volume_
   DeviceState seenDevice_;
   bool paused_ = false;
+  bool slides_ = false;     // the strength that is dragged has changed before, in the same drag
   bool dragsLow_ = false;   // the low end of the range of colours, in the histogram
   std::size_t chosen_ = 0;  // of the answers to a question: the one that Enter gives
   bool helps_ = true;       // tooltips are shown; off while the help window is open

@@ -37,6 +37,8 @@ constexpr ScriptEvent kEvents[]{
     {"export", "FILE.ply", "writes the selected points"},
     {"separate", "FILE.ply", "writes the selected points, and removes them"},
     {"value", "FIELD VALUE", "gives the selected points a value of a field"},
+    {"layer", "new|open|close|hide|show|merge|STRENGTH [NAME]",
+     "makes or changes a layer of strokes; without a name: the open one"},
     {"volume", "NUMBERS", "places the box, ball or plane that selects: as typed in the panel"},
     {"move", "X,Y,Z [A,B,C [FACTOR]]", "moves the selected points, rotates them by degrees about x, y and z, scales"},
     {"where", "CONDITION", "selects the points for which an expression of their fields holds"},
@@ -190,6 +192,21 @@ CleanModel cleanOf(Line& line) {
   }
 }
 
+// The name is the rest of the line.
+ScriptAction layerOf(Line& line) {
+  using What = LayerCommand::What;
+  const std::string how = line.word("what is done with the layer");
+  for (const auto& [name, what] : {std::pair{"new", What::add},
+                                   {"open", What::open},
+                                   {"close", What::close},
+                                   {"hide", What::hide},
+                                   {"show", What::show},
+                                   {"merge", What::merge}})
+    if (how == name) return ViewCommand(LayerCommand{what, line.atEnd() ? "" : line.rest("its name")});
+  const double strength = line.numberIn(how, "new, open, close, hide, show, merge, or the strength");
+  return ViewCommand(LayerCommand{What::slide, line.atEnd() ? "" : line.rest("its name"), strength});
+}
+
 ScriptAction actionOf(Line& line, const std::string& what) {
   if (what == "mouse") {
     const double x = line.number("x");
@@ -216,6 +233,7 @@ ScriptAction actionOf(Line& line, const std::string& what) {
     const std::string field = line.word("the field");
     return ViewCommand(SetValue{field, line.word("its value")});
   }
+  if (what == "layer") return layerOf(line);
   if (what == "volume") return ViewCommand(SetVolume{line.rest("the numbers")});
   if (what == "move") {
     MoveSelection move{.way = line.word("the way"), .angles_deg = {}, .factor = {}};

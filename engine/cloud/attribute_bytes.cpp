@@ -1,11 +1,13 @@
 #include "engine/cloud/attribute_bytes.hpp"
 
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include "engine/cloud/scalar_type.hpp"
+#include "engine/core/packed_state.hpp"
 
 namespace palpate {
 
@@ -17,6 +19,17 @@ struct ChangeHead {
 };
 struct PresenceHead {
   std::uint64_t isPresent = 0, type = 0, points = 0, nameBytes = 0, unitBytes = 0;
+};
+
+// Of a layer of strokes, before its name and its points.
+struct LayerHead {
+  std::uint64_t isPresent = 0, isHidden = 0, isMerged = 0;
+  double strength = 0;
+  std::uint64_t open = 0, moves = 0, nameBytes = 0;
+};
+struct LayerPoint {
+  PackedState before, after;
+  std::uint32_t earlier = 0;
 };
 
 void add(std::vector<std::byte>& bytes, std::span<const std::byte> more) {
@@ -70,9 +83,33 @@ bool readPresence(ByteReader bytes, FieldPresence& made) {
   return true;
 }
 
+std::uint64_t numberOr(const std::optional<std::uint32_t>& number) {
+  return number ? *number : std::numeric_limits<std::uint64_t>::max();
+}
+
+bool readLayer(ByteReader bytes, StrokeLayerChange& change) {
+  using Points = StrokeLayerChange::Points;
+  LayerHead head;
+  if (!bytes.take(head) || !bytes.take(change.set.name, head.nameBytes)) return false;
+  if (((head.isPresent | head.isHidden | head.isMerged) >> 1) != 0) return false;
+  if (head.moves > static_cast<std::uint64_t>(Points::strokes) || !std::isfinite(head.strength)) return false;
+  change.isPresent = head.isPresent == 1;
+  change.set.strength = head.strength;
+  change.set.isHidden = head.isHidden == 1;
+  change.set.isMerged = head.isMerged == 1;
+  change.moves = static_cast<Points>(head.moves);
+  if (head.open < std::numeric_limits<std::uint32_t>::max()) change.open = static_cast<std::uint32_t>(head.open);
+  if (bytes.rest.size() % sizeof(LayerPoint) != 0) return false;
+  for (LayerPoint point; bytes.take(point);)
+    change.points.push_back({stateOf(point.before), stateOf(point.after), point.earlier});
+  return bytes.rest.empty();
+}
+
 }  // namespace
 
 std::uint64_t bytesOf(const AttributeChange& change) {
+  if (const auto* const layer = std::get_if<StrokeLayerChange>(&change))
+    return layer->set.name.size() + layer->points.size() * sizeof layer->points[0];
   if (const auto* const flip = std::get_if<MaskFlip>(&change)) return flip->points.bytes();
   if (const auto* const of = std::get_if<FieldChange>(&change)) return of->points.bytes() + of->values.size();
   const auto& made = std::get<FieldPresence>(change);
@@ -91,6 +128,14 @@ std::vector<std::byte> bytesIn(const AttributeChange& change) {
     addHead(of->layer, of->field);
     addPoints(bytes, of->points);
     add(bytes, of->values);
+  } else if (const auto* const to = std::get_if<StrokeLayerChange>(&change)) {
+    const StrokeLayer& set = to->set;
+    addHead(to->layer, to->number);
+    addValue(bytes, LayerHead{to->isPresent, set.isHidden, set.isMerged, set.strength, numberOr(to->open),
+                              static_cast<std::uint64_t>(to->moves), set.name.size()});
+    add(bytes, std::as_bytes(std::span(set.name)));
+    for (const StrokeLayerPoint& point : to->points)
+      addValue(bytes, LayerPoint{packedState(point.before), packedState(point.after), point.earlier});
   } else {
     const auto& made = std::get<FieldPresence>(change);
     addHead(made.layer, made.field);
@@ -124,6 +169,12 @@ bool readChange(std::span<const std::byte> bytes, AttributeChange& change) {
       FieldPresence made{.field = number};
       if (!readPresence(reader, made)) return false;
       change = std::move(made);
+      return true;
+    }
+    case 3: {
+      StrokeLayerChange set{.number = number};
+      if (!readLayer(reader, set)) return false;
+      change = std::move(set);
       return true;
     }
     default:

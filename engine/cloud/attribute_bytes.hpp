@@ -1,4 +1,4 @@
-// A change of a mask or a field as bytes, for a history on the disk and for session logs.
+// A change of a mask, a field or a layer of strokes as bytes, for a history on the disk and for session logs.
 #pragma once
 
 #include <span>

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "engine/core/point_set.hpp"
+#include "engine/core/point_state.hpp"
 
 namespace palpate {
 
@@ -51,7 +53,47 @@ struct FieldPresence {
   bool operator==(const FieldPresence&) const = default;
 };
 
+/// How a layer of strokes is set. Its number is its index in the order in which layers of strokes were made.
+struct StrokeLayer {
+  std::string name;
+  double strength = 1;    ///< of its strokes: with 0 the points are as before them, with 1 as after them
+  bool isHidden = false;  ///< as with strength 0
+  bool isMerged = false;  ///< its strokes stay as they are: it is not listed, and cannot be changed
+
+  double shown() const { return isHidden ? 0 : strength; }
+  bool operator==(const StrokeLayer&) const = default;
+};
+/// A point before and after strokes of a layer in a row, between which nothing else has changed it.
+struct StrokeLayerPoint {
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  PointState before;  ///< of a point that they inserted: its parent before them, gone
+  PointState after;
+  std::uint32_t earlier = kNone;  ///< index of the strokes before, if something else has changed it since; or kNone
+
+  bool operator==(const StrokeLayerPoint&) const = default;
+};
+/// A layer of strokes is set otherwise, or was made, or removed: a layer is made and removed at the end of the list.
+struct StrokeLayerChange {
+  /// What the next states of points are, which belong to the same entry of the history.
+  enum class Points : std::uint8_t {
+    none,            ///< others
+    slide,           ///< moved by the strength
+    slideContinued,  ///< likewise, in the entry of the slide before: both are one drag of a user
+    strokes          ///< a stroke of the layer, undone or redone
+  };
+  std::uint16_t layer = 0;   ///< of the scene
+  std::uint32_t number = 0;  ///< of the layer of strokes
+  bool isPresent = true;     ///< from now on for a follower, on the other side in a history
+  StrokeLayer set;
+  std::optional<std::uint32_t> open;  ///< number of the layer that strokes become part of, from now on
+  Points moves = Points::none;
+  std::vector<StrokeLayerPoint> points;  ///< of a layer that is made
+
+  bool operator==(const StrokeLayerChange&) const = default;
+};
+
 /// A change of what a layer's points have beside their states. Further kinds are further alternatives.
-using AttributeChange = std::variant<MaskFlip, FieldChange, FieldPresence>;
+using AttributeChange = std::variant<MaskFlip, FieldChange, FieldPresence, StrokeLayerChange>;
 
 }  // namespace palpate

@@ -16,7 +16,7 @@ struct EditMark {
     change,     ///< one call of EditStream::change(), not a stroke
     part,       ///< edits so far of a stroke that continues after received changes
     received,   ///< one call of EditStream::offer(), neither a stroke nor the end of one
-    attribute,  ///< a mask or a field was changed, between strokes
+    attribute,  ///< a mask, a field or a layer of strokes was changed, between strokes
     undone,     ///< that was undone
     redone      ///< and redone
   };

@@ -1,5 +1,6 @@
 #include "engine/edit/history.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <type_traits>
 #include <utility>
@@ -11,7 +12,13 @@ namespace palpate {
 
 namespace {
 
-std::span<const std::byte> contentOf(const PointStroke& stroke) { return std::as_bytes(std::span(stroke.points)); }
+// Before the states: the slide.
+std::vector<std::byte> contentOf(const PointStroke& stroke) {
+  std::vector<std::byte> bytes = stroke.slide ? bytesIn(*stroke.slide) : std::vector<std::byte>();
+  const auto states = std::as_bytes(std::span(stroke.points));
+  bytes.insert(bytes.end(), states.begin(), states.end());
+  return bytes;
+}
 std::span<const std::byte> contentOf(const ShapeStroke& stroke) { return std::as_bytes(std::span(stroke.places)); }
 std::vector<std::byte> contentOf(const PresenceStroke& stroke) {
   const std::vector<std::uint64_t> words = stroke.points.words();
@@ -21,12 +28,15 @@ std::vector<std::byte> contentOf(const PresenceStroke& stroke) {
 std::vector<std::byte> contentOf(const AttributeChange& change) { return bytesIn(change); }
 
 std::uint64_t sizeOfContent(const auto& stroke) { return contentOf(stroke).size(); }
+std::uint64_t sizeOfContent(const PointStroke& stroke) { return std::as_bytes(std::span(stroke.points)).size(); }
 std::uint64_t sizeOfContent(const PresenceStroke& stroke) { return stroke.points.bytes(); }
 std::uint64_t sizeOfContent(const AttributeChange& change) { return bytesOf(change); }
 
 // What stands before the content of a change in a file. It ends with the program, and so needs no version.
 struct Head {
   std::uint64_t kind = 0, version = 0, received = 0;
+  std::uint64_t layer = 0;  // of strokes, and 1; 0: none
+  std::uint64_t slideBytes = 0;
 };
 
 template <class Item>
@@ -46,7 +56,9 @@ std::uint64_t bytesOf(const HistoryChange& change) {
 std::vector<std::byte> pack(const HistoryChange& change) {
   const auto* const stroke = std::get_if<PointStroke>(&change.what);
   const auto* const presence = std::get_if<PresenceStroke>(&change.what);
-  const Head head{change.what.index(), change.version, stroke ? stroke->received : presence ? presence->received : 0};
+  Head head{change.what.index(), change.version, stroke ? stroke->received : presence ? presence->received : 0};
+  if (stroke && stroke->layer) head.layer = *stroke->layer + std::uint64_t{1};
+  if (stroke && stroke->slide) head.slideBytes = bytesIn(*stroke->slide).size();
   return std::visit(
       [&](const auto& what) {
         const auto content = contentOf(what);
@@ -64,9 +76,17 @@ bool unpack(std::span<const std::byte> bytes, HistoryChange& change) {
   std::memcpy(&head, bytes.data(), sizeof head);
   const auto content = bytes.subspan(sizeof head);
   change = {.what = PointStroke(), .version = head.version};
-  if (head.kind == 0)
-    change.what = PointStroke{itemsIn<PointState>(content), head.received};
-  else if (head.kind == 1)
+  if (head.kind == 0) {
+    if (head.slideBytes > content.size()) return false;
+    PointStroke stroke{.points = itemsIn<PointState>(content.subspan(head.slideBytes)), .received = head.received};
+    if (head.layer > 0) stroke.layer = static_cast<std::uint32_t>(head.layer - 1);
+    AttributeChange slide;
+    if (head.slideBytes > 0) {
+      if (!readChange(content.first(head.slideBytes), slide)) return false;
+      stroke.slide = std::get<StrokeLayerChange>(std::move(slide));
+    }
+    change.what = std::move(stroke);
+  } else if (head.kind == 1)
     change.what = ShapeStroke{itemsIn<RestPlace>(content)};
   else if (head.kind == 2) {
     const auto words = itemsIn<std::uint64_t>(content);
@@ -91,7 +111,7 @@ void History::follow(const EditBatch& batch, bool hasLast) {
     const bool isKnown = hasLast && !states.empty() && mark.at == all.size();
     switch (mark.kind) {
       case EditMark::Kind::stroke:
-        if (isKnown || addPresence(states)) break;
+        if (isKnown || (!slide_ && !(layers_ && layers_->open()) && addPresence(states))) break;
         addToStroke(states);
         endStroke();
         break;
@@ -123,7 +143,8 @@ void History::follow(std::vector<ShapeStroke> strokes) {
 
 void History::make(AttributeChange change, const std::function<void(AttributeChange&)>& exchange) {
   PALPATE_CHECK(!inStroke_);
-  const bool isInFile = !std::holds_alternative<MaskFlip>(change);
+  const bool isInFile = !std::holds_alternative<MaskFlip>(change) && !std::holds_alternative<StrokeLayerChange>(change);
+  endsInSlide_ = false;
   list_.make({std::move(change), version_}, [&](HistoryChange& made) {
     exchange(std::get<AttributeChange>(made.what));
     if (isInFile) version_ = ++lastVersion_;
@@ -137,6 +158,7 @@ void History::receive(std::span<const PointState> states) {
     const bool isChange = points_.knows(point);  // else it is the point's first state
     points_.set(state);
     if (!isChange) continue;
+    endsInSlide_ = false;
     if (!std::exchange(isCounted, true)) ++received_;
     if (!list_.keepsAny()) continue;
     const std::size_t at = points_.indexOf(point);
@@ -160,29 +182,36 @@ bool History::addPresence(std::span<const PointState> states) {
   PresenceStroke stroke{.points = PointSet::of(states, [](const PointState& state) { return state.number; }),
                         .received = received_};
   if (stroke.points.count() != states.size()) return false;  // some twice: the last state of each counts
+  endsInSlide_ = false;
   list_.make({std::move(stroke), version_}, [&](HistoryChange&) { points_.set(states); });
   version_ = ++lastVersion_;
   ++strokes_;
   return true;
 }
 
+void History::beginStroke() {
+  if (std::exchange(inStroke_, true)) return;
+  list_.begin();
+  keepsStroke_ = list_.keepsAny();
+  openVersion_ = version_;
+  reopenSlide();
+}
+
 void History::addToStroke(std::span<const PointState> states) {
   if (states.empty()) return;
-  if (!std::exchange(inStroke_, true)) {
-    list_.begin();
-    keepsStroke_ = list_.keepsAny();
-    openVersion_ = version_;
-  }
+  beginStroke();
   version_ = ++lastVersion_;
   for (const PointState& state : states) {
-    if (keepsStroke_ && !isInStroke(state.number)) keepBefore(state.number);
+    const bool isKept = keepsStroke_ || (layers_ && layers_->open() && !slide_);
+    if (isKept && !isInStroke(state.number)) keepBefore(state.number);
     points_.set(state);
   }
 }
 
 void History::keepBefore(std::uint64_t point) {
-  keepsStroke_ = list_.makeRoom(sizeof(HistoryChange) + (open_.points.size() + 1) * sizeof(PointState));
-  if (!keepsStroke_) {
+  if (keepsStroke_)
+    keepsStroke_ = list_.makeRoom(sizeof(HistoryChange) + (open_.points.size() + 1) * sizeof(PointState));
+  if (!keepsStroke_ && !(layers_ && layers_->open() && !slide_)) {
     open_ = {};
     return;
   }
@@ -195,6 +224,7 @@ void History::keepBefore(std::uint64_t point) {
 void History::endStroke() {
   if (!std::exchange(inStroke_, false)) return;
   ++strokes_;
+  endInLayer();
   if (keepsStroke_) {
     open_.received = received_;
     open_.points.shrink_to_fit();
@@ -203,6 +233,47 @@ void History::endStroke() {
     list_.addTooLarge();
   }
   open_ = {};
+}
+
+std::vector<PointChange> History::slide(const StrokeLayerChange& change) {
+  PALPATE_CHECK(layers_ && !inStroke_);
+  std::vector<PointChange> changes = layers_->slide(change, points_);
+  const auto seen =
+      std::ranges::partition(changes, [](const PointChange& each) { return !each.from.gone || !each.to.gone; });
+  unseen_.assign(seen.begin(), seen.end());
+  changes.erase(seen.begin(), seen.end());
+  return changes;
+}
+
+void History::slideUnseen(StrokeLayerChange change) {
+  beginSlide(std::move(change));
+  beginStroke();
+  endStroke();
+}
+
+void History::reopenSlide() {
+  const bool continues = slide_ && slide_->moves == StrokeLayerChange::Points::slideContinued;
+  if (!std::exchange(endsInSlide_, false) || !continues || !keepsStroke_) return;
+  HistoryChange last = list_.takeLast();
+  open_ = std::get<PointStroke>(std::move(last.what));
+  openVersion_ = last.version;
+  --strokes_;
+}
+
+void History::endInLayer() {
+  if (slide_) {
+    for (const PointChange& change : std::exchange(unseen_, {})) {
+      if (keepsStroke_ && !isInStroke(change.to.number)) keepBefore(change.to.number);
+      points_.set(change.to);
+    }
+    layers_->exchange(*slide_);
+    if (!open_.slide) open_.slide = std::move(slide_);
+    slide_.reset();
+    endsInSlide_ = keepsStroke_;
+  } else if (layers_ && layers_->open()) {
+    open_.layer = layers_->open();
+    layers_->record(*open_.layer, open_.points, points_);
+  }
 }
 
 bool History::isOthers(std::uint64_t point, std::uint64_t received) const {
@@ -225,6 +296,7 @@ bool History::carryPresence(const PointSet& points, const std::function<bool(con
 
 void History::changePresence(const PointSet& points, const std::function<void(const PointSet&)>& carry) {
   PALPATE_CHECK(!inStroke_);
+  endsInSlide_ = false;
   list_.make({PresenceStroke{.points = points, .received = received_}, version_}, [&](HistoryChange&) {
     carryPresence(points, [&](const PointSet& changed) { return carry(changed), true; });
   });
@@ -264,14 +336,35 @@ bool History::carryOut(PointStroke& stroke, const Carriers& carriers) {
     if (isOthers(to.number, stroke.received)) continue;
     changes.push_back({.from = points_[to.number], .to = to});
   }
-  if (!changes.empty() && !carriers.points(changes)) return false;
+  // Of points that do not exist before and after only the history knows.
+  const auto seen = std::ranges::stable_partition(
+      changes, [&](const PointChange& each) { return !stroke.slide || !each.from.gone || !each.to.gone; });
+  const std::span carried(changes.begin(), seen.begin());
+  if (!carried.empty() && !carriers.points(carried)) return false;
+  if (stroke.slide) layers_->observe(stroke.slide->number, points_);
   stroke.points.resize(changes.size());
   for (std::size_t i = 0; i < changes.size(); ++i) {
     points_.set(changes[i].to);
     stroke.points[i] = changes[i].from;
   }
   stroke.received = received_;
+  if (layers_) followInLayer(stroke, !carried.empty(), carriers);
   return true;
+}
+
+// A stroke that is undone is one more stroke of its layer, from its end to its begin.
+void History::followInLayer(PointStroke& stroke, bool isSeen, const Carriers& carriers) {
+  using Points = StrokeLayerChange::Points;
+  if (stroke.slide) layers_->exchange(*stroke.slide);
+  if (stroke.layer) layers_->record(*stroke.layer, stroke.points, points_);
+  if (!carriers.layers || (!stroke.slide && !stroke.layer)) return;
+  const std::uint32_t number = stroke.slide ? stroke.slide->number : *stroke.layer;
+  carriers.layers({.number = number,
+                   .set = (*layers_)[number],
+                   .open = layers_->open(),
+                   .moves = !isSeen        ? Points::none
+                            : stroke.slide ? Points::slide
+                                           : Points::strokes});
 }
 
 bool History::carryOut(HistoryChange& change, const Carriers& carriers) {
@@ -288,11 +381,13 @@ bool History::carryOut(HistoryChange& change, const Carriers& carriers) {
 
 bool History::undo(const Carriers& carriers) {
   PALPATE_CHECK(!inStroke_);
+  endsInSlide_ = false;
   return list_.undo([&](HistoryChange& change) { return carryOut(change, carriers); });
 }
 
 bool History::redo(const Carriers& carriers) {
   PALPATE_CHECK(!inStroke_);
+  endsInSlide_ = false;
   return list_.redo([&](HistoryChange& change) { return carryOut(change, carriers); });
 }
 

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <variant>
 
 #include "engine/core/edit_batch.hpp"
 #include "engine/core/point_set.hpp"
 #include "engine/core/shape_strokes.hpp"
 #include "engine/edit/point_states.hpp"
+#include "engine/edit/stroke_layers.hpp"
 #include "engine/edit/undo_list.hpp"
 
 namespace palpate {
@@ -14,7 +16,9 @@ namespace palpate {
 /// The points that a stroke touched, in the state on its other side: before it, or, once undone, after it.
 struct PointStroke {
   std::vector<PointState> points;
-  std::uint64_t received = 0;  ///< number of received batches when it was made, undone or redone last
+  std::uint64_t received = 0;              ///< number of received batches when it was made, undone or redone last
+  std::optional<std::uint32_t> layer;      ///< of strokes, that it is part of
+  std::optional<StrokeLayerChange> slide;  ///< of a layer of strokes, that has moved the points: on the other side
 };
 /// Points that a stroke has removed or restored, and changed in nothing else: it is its own undo. Of 25 million points
 /// it takes megabytes, where their states take a gigabyte.
@@ -54,6 +58,8 @@ class History {
  public:
   /// `file`: the cloud before the first edit.
   explicit History(const PointCloud& file, const UndoBudget& budget = {}) : History(PointStates(file), budget) {}
+  /// Strokes become part of the open one of these layers, which must outlive it, and undo and redo follow in them.
+  void setStrokeLayers(StrokeLayers& layers) { layers_ = &layers; }
   /// `points`: before the first edit. If only a part of the cloud is known, edits report the state of a point before
   /// its first edit as received, which does not count as a change by others.
   explicit History(PointStates points, const UndoBudget& budget = {});
@@ -71,6 +77,15 @@ class History {
   /// throws, nothing has changed.
   void changePresence(const PointSet& points, const std::function<void(const PointSet&)>& carry);
 
+  /// The changes of points by which a layer of strokes is set so, between strokes; those of points that do not
+  /// exist before and after are left out, and are made by the stroke after beginSlide().
+  std::vector<PointChange> slide(const StrokeLayerChange& change);
+  /// The next stroke to be followed is that slide, of all points of slide(): it sets the layer.
+  void beginSlide(StrokeLayerChange change) { slide_ = std::move(change); }
+  void cancelSlide() { slide_.reset(), unseen_.clear(); }
+  /// The slide where slide() is empty: a whole stroke.
+  void slideUnseen(StrokeLayerChange change);
+
   const PointStates& points() const { return points_; }
 
   /// Carries a change out, which points() has already: of points, each of them once, and reports the resulting edits
@@ -80,6 +95,9 @@ class History {
     std::function<bool(const PointSet&)> presence = nullptr;  ///< of points that vanish or reappear; null: by `points`
     std::function<bool(ShapeStroke&)> shape;
     std::function<bool(AttributeChange&)> attributes;
+    /// Called once a stroke of a layer of strokes, or a slide, is undone or redone: how the layer is set now, and what
+    /// `points` has carried out.
+    std::function<void(StrokeLayerChange)> layers = nullptr;
   };
   /// Undoes the last change. False if there is none, or if it was not carried out; then, and if that throws, the
   /// history is unchanged. Only between strokes: when all edits so far have been taken in and inStroke() is false
@@ -103,6 +121,11 @@ class History {
  private:
   void receive(std::span<const PointState> states);
   void addToStroke(std::span<const PointState> states);
+  void beginStroke();
+  // The slide that is continued is the last entry, which is open again.
+  void reopenSlide();
+  // The stroke in progress, before it is kept: a slide sets its layer, others become part of the open layer.
+  void endInLayer();
   // Whether these states are one whole stroke that removes or restores points; then it is kept.
   bool addPresence(std::span<const PointState> states);
   void endStroke();
@@ -115,6 +138,7 @@ class History {
   }
   bool carryOut(HistoryChange& change, const Carriers& carriers);
   bool carryOut(PointStroke& stroke, const Carriers& carriers);
+  void followInLayer(PointStroke& stroke, bool isSeen, const Carriers& carriers);
   bool carryOut(PresenceStroke& stroke, const Carriers& carriers);
   bool isOthers(std::uint64_t point, std::uint64_t received) const;
 
@@ -127,6 +151,10 @@ class History {
   std::uint64_t received_ = 0;               // number of received batches with states of known points
   std::vector<std::uint64_t> lastReceived_;  // as points_: the last of these batches with it; 0 behind the end
   bool inStroke_ = false, keepsStroke_ = false;
+  StrokeLayers* layers_ = nullptr;
+  std::optional<StrokeLayerChange> slide_;  // the next stroke, or the one in progress
+  std::vector<PointChange> unseen_;         // by it, of points that do not exist before and after
+  bool endsInSlide_ = false;                // the last entry is a slide, which may be continued
   std::uint64_t strokes_ = 0;
 };
 

@@ -87,6 +87,7 @@ bool LayerAttributes::fits(const AttributeChange& change) const {
   if (const auto* const of = std::get_if<FieldChange>(&change))
     return of->field < fields_.size() && of->values.size() % sizeOf(fields_[of->field].values.type) == 0 &&
            of->points.count() == of->values.size() / sizeOf(fields_[of->field].values.type);
+  if (const auto* const layer = std::get_if<StrokeLayerChange>(&change)) return strokeLayers_.fits(*layer);
   const auto* const of = std::get_if<FieldPresence>(&change);
   if (!of) return true;
   if (!of->isPresent) return std::uint64_t{of->field} + 1 == fields_.size();
@@ -101,6 +102,8 @@ void LayerAttributes::exchange(AttributeChange& change) {
     masks_[static_cast<std::size_t>(flip->role)].flip(flip->points);
   else if (auto* const of = std::get_if<FieldChange>(&change))
     exchange(*of);
+  else if (auto* const layer = std::get_if<StrokeLayerChange>(&change))
+    strokeLayers_.exchange(*layer);
   else
     exchange(std::get<FieldPresence>(change));
 }
@@ -151,6 +154,7 @@ std::vector<AttributeChange> LayerAttributes::all() const {
                                        .points = field.values.data.size() / sizeOf(field.values.type),
                                        .values = field.values.data});
   std::ranges::move(masks(), std::back_inserter(changes));
+  std::ranges::move(strokeLayers_.all(), std::back_inserter(changes));
   return changes;
 }
 
@@ -219,7 +223,9 @@ AttributeChange renumbered(const AttributeChange& change, std::span<const PointS
   const auto valueAt = [](std::span<const std::byte> values, std::size_t i, std::size_t bytes) {
     return values.subspan(i * bytes, bytes);
   };
-  if (auto* const flip = std::get_if<MaskFlip>(&next)) {
+  if (auto* const strokes = std::get_if<StrokeLayerChange>(&next)) {
+    *strokes = renumbered(std::move(*strokes), states, numbers);
+  } else if (auto* const flip = std::get_if<MaskFlip>(&next)) {
     flip->points = points(flip->points, [](std::size_t) {});
   } else if (auto* const of = std::get_if<FieldChange>(&next)) {
     const std::vector<std::byte> had = std::exchange(of->values, {});

@@ -11,6 +11,7 @@
 #include "engine/core/edit_batch.hpp"
 #include "engine/core/point_lock.hpp"
 #include "engine/edit/point_states.hpp"
+#include "engine/edit/stroke_layers.hpp"
 
 namespace palpate {
 
@@ -18,8 +19,8 @@ namespace palpate {
 /// mask of locked points does not count.
 inline constexpr std::string_view kLockField = "lock";
 
-/// The masks and the fields of a layer's points, by number. What a removed point has stays until it is restored, and
-/// counts no more than the point: existing() leaves it out. For one thread.
+/// The masks and the fields of a layer's points, by number, and its layers of strokes. What a removed point has stays
+/// until it is restored, and counts no more than the point: existing() leaves it out. For one thread.
 class LayerAttributes {
  public:
   const PointSet& mask(MaskRole role) const { return masks_[static_cast<std::size_t>(role)]; }
@@ -34,13 +35,15 @@ class LayerAttributes {
   bool hasMasks() const { return !std::ranges::all_of(masks_, &PointSet::empty); }
   const std::vector<Field>& fields() const { return fields_; }
   std::optional<std::uint32_t> fieldNamed(std::string_view name) const;
+  const StrokeLayers& strokeLayers() const { return strokeLayers_; }
+  StrokeLayers& strokeLayers() { return strokeLayers_; }
 
   /// The masks as changes of a layer without any, for a picture that begins now.
   std::vector<AttributeChange> masks() const;
-  /// All fields and masks likewise.
+  /// All fields, masks and layers of strokes likewise.
   std::vector<AttributeChange> all() const;
   /// Whether the change can be carried out: it names a field that is there, or the next one, with as many values as
-  /// points.
+  /// points; or a layer of strokes likewise.
   bool fits(const AttributeChange& change) const;
   /// Carries the change out, which must fit, and makes it the one that undoes it: exchanges what it has with what is
   /// present. Nothing has changed if memory is out.
@@ -57,6 +60,7 @@ class LayerAttributes {
 
   std::array<PointSet, kMaskRoles> masks_;
   std::vector<Field> fields_;
+  StrokeLayers strokeLayers_;
 };
 
 /// Those of the points that exist. `states`: by number.

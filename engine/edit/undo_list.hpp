@@ -43,6 +43,13 @@ class UndoList {
     bytes_ += bytesOf(change);
     done_.near.push_back(std::move(change));
   }
+  /// Removes the change added last, which is in memory, so that it can be continued.
+  Change takeLast() {
+    Change change = std::move(done_.near.back());
+    done_.near.pop_back();
+    bytes_ -= bytesOf(change);
+    return change;
+  }
   /// A whole change: calls `exchange(change)`, which makes it and leaves in `change` what undoes it. Memory is taken
   /// before that: if it throws, the list is unchanged.
   template <class Exchange>

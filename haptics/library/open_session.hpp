@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -73,6 +74,13 @@ class OpenSession {
   /// Removes, paints or moves the points of such a mask; a movement is in coordinates of the file. Throws UsageError,
   /// StateError.
   void changePoints(std::span<const std::uint8_t> mask, PointsAction action);
+  /// Makes the layer of strokes of that name, or opens it again; without a name none is open. Throws UsageError,
+  /// StateError.
+  void openLayer(std::optional<std::string_view> name);
+  /// Sets one otherwise (Session::setStrokeLayer()). Throws likewise, also where there is none of that name.
+  void setLayer(std::string_view name, bool continues, const std::function<void(StrokeLayer&)>& change);
+  const StrokeLayers& layers();
+  std::uint32_t layerNamed(std::string_view name);
   /// Throws NetworkError, which names `what`, if the server of a joined session has not confirmed it; not while live.
   void requireDelivered(std::string_view what) const {
     if (joined_ && !isLive()) joined_->requireDelivered(*session_, what);
@@ -165,6 +173,8 @@ class OpenSession {
   /// Session::finish(). What a call waits for other programs is JoinedPart::timeout_s() in all.
   void finish();
   double timeLeft_s() const;
+  // Has the session follow its points, and with `edits` change them. Throws StateError, which names `what`.
+  void keepPoints(Action action, std::string_view what, bool edits);
   // The points as a mask of that many bytes names them, once the session follows them.
   const PointStates& maskable(std::size_t bytes, bool edits);
   PointSet pointsOf(std::span<const std::uint8_t> mask, bool edits);

@@ -1,4 +1,4 @@
-// Points of a session that a program names by a mask.
+// Points of a session that a program names by a mask, and its layers of strokes.
 #include "engine/core/counted.hpp"
 #include "engine/edit/history.hpp"
 #include "engine/select/surface_select.hpp"
@@ -7,14 +7,17 @@
 
 namespace palpate::library {
 
-const PointStates& OpenSession::maskable(std::size_t bytes, bool edits) {
+void OpenSession::keepPoints(Action action, std::string_view what, bool edits) {
   settleForCommand();
-  session_->require(Action::select, "mask");
-  if (!session_->pointHistory() || (edits && !session_.isEditable())) {
-    if (isLive())
-      throw StateError("the first mask of a session builds it for sculpting; set one before the session is live");
-    session_.build(true, true);
-  }
+  session_->require(action, what);
+  if (session_->pointHistory() && (!edits || session_.isEditable())) return;
+  if (isLive())
+    throw StateError("the first {} of a session builds it for sculpting; set one before the session is live", what);
+  session_.build(true, true);
+}
+
+const PointStates& OpenSession::maskable(std::size_t bytes, bool edits) {
+  keepPoints(Action::select, "mask", edits);
   const PointStates& points = session_->history()->points();
   if (bytes != points.present())
     throw UsageError("mask: {} were given, but there are {}", counted(bytes, "value"),
@@ -87,6 +90,35 @@ void OpenSession::softenLock(double radius_mm) {
     maskable(session_->model().cloud.size(), true);
   const std::span<const PointState> points = session_->history()->points();
   session_->setLockWeights(blurred(points, session_->lockWeights(), session_->model().scale.toUnits(radius_mm)));
+  if (!isLive()) finish();
+}
+
+const StrokeLayers& OpenSession::layers() {
+  keepPoints(Action::layer, "layer", true);
+  return session_->scene().layers[0].attributes.strokeLayers();
+}
+
+std::uint32_t OpenSession::layerNamed(std::string_view name) {
+  if (const auto number = layers().named(name)) return *number;
+  throw UsageError("layer: the session has no layer of strokes named '{}'", name);
+}
+
+void OpenSession::openLayer(std::optional<std::string_view> name) {
+  const StrokeLayers& known = layers();
+  const std::optional<std::uint32_t> number = name ? known.named(*name) : known.open();
+  if (number)
+    session_->setStrokeLayer(*number, known[*number], name.has_value());
+  else if (name)
+    session_->setStrokeLayer(static_cast<std::uint32_t>(known.size()), {.name = std::string(*name)}, true);
+  if (!isLive()) finish();
+}
+
+void OpenSession::setLayer(std::string_view name, bool continues, const std::function<void(StrokeLayer&)>& change) {
+  const std::uint32_t number = layerNamed(name);
+  StrokeLayer set = layers()[number];
+  change(set);
+  const bool isOpen = layers().open() == number && set == layers()[number];
+  session_->setStrokeLayer(number, std::move(set), isOpen, continues);
   if (!isLive()) finish();
 }
 

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "engine/core/tool_shape.hpp"
+#include "engine/edit/stroke_layers.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/mesh/mesh.hpp"
 #include "haptics/library/options.hpp"
@@ -263,6 +264,42 @@ pp_status pp_session_mask(pp_session session, pp_mask which, uint8_t* mask, uint
 
 pp_status pp_session_soften_lock(pp_session session, double radius_mm) {
   return commanding(session, [&](OpenSession& open) { open.softenLock(radius_mm); });
+}
+
+pp_status pp_session_open_layer(pp_session session, const char* name) {
+  return commanding(
+      session, [&](OpenSession& open) { open.openLayer(name ? std::optional<std::string_view>(name) : std::nullopt); });
+}
+
+pp_status pp_session_slide_layer(pp_session session, const char* name, double strength, uint32_t continues) {
+  return commanding(session, [&](OpenSession& open) {
+    if (!(strength >= kMinStrength && strength <= kMaxStrength))
+      throw UsageError("strength: {} is not between {} and {}", strength, kMinStrength, kMaxStrength);
+    open.setLayer(&required(name, "name"), continues != 0, [&](StrokeLayer& layer) { layer.strength = strength; });
+  });
+}
+
+pp_status pp_session_hide_layer(pp_session session, const char* name, uint32_t hidden) {
+  return commanding(session, [&](OpenSession& open) {
+    open.setLayer(&required(name, "name"), false, [&](StrokeLayer& layer) { layer.isHidden = hidden != 0; });
+  });
+}
+
+pp_status pp_session_merge_layer(pp_session session, const char* name) {
+  return commanding(session, [&](OpenSession& open) {
+    open.setLayer(&required(name, "name"), false, [](StrokeLayer& layer) { layer.isMerged = true; });
+  });
+}
+
+pp_status pp_session_layer(pp_session session, const char* name, double* strength, uint32_t* hidden, uint64_t* points) {
+  clear(strength), clear(hidden), clear(points);
+  return commanding(session, [&](OpenSession& open) {
+    const std::uint32_t number = open.layerNamed(&required(name, "name"));
+    const StrokeLayers& layers = open.layers();
+    if (strength) *strength = layers[number].strength;
+    if (hidden) *hidden = layers[number].isHidden;
+    if (points) *points = layers.pointsOf(number);
+  });
 }
 
 pp_status pp_session_apply_edits(pp_session session) {

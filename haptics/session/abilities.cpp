@@ -28,6 +28,9 @@ constexpr std::string_view kRenumbered =
 constexpr std::string_view kOwnFields =
     "fields are not sent to the server; change them in the program that serves the model";
 
+constexpr std::string_view kOwnLayers =
+    "layers of strokes are not sent to the server; make them in the program that serves the model";
+
 // All actions that are not listed are allowed, and some refusals include others (alsoRefused()).
 constexpr Refusal kRefusals[] = {
     {ModelKind::moved, Action::sculpt, kMoving},
@@ -56,6 +59,7 @@ constexpr Refusal kRefusals[] = {
     {ModelKind::shared, Action::insertPoints, "points cannot be inserted where several hands sculpt"},
     {ModelKind::shared, Action::move, kPlaced},
     {ModelKind::shared, Action::field, kOwnFields},
+    {ModelKind::shared, Action::layer, kOwnLayers},
     {ModelKind::shared, Action::record, "the strokes of others cannot be recorded; serve the model with --read-only"},
     {ModelKind::readOnly, Action::sculpt, kReadOnly},
     {ModelKind::readOnly, Action::move, kPlaced},
@@ -79,9 +83,10 @@ constexpr Refusal kRefusals[] = {
 
 // What a model that refuses the action refuses for the same reason.
 std::vector<Action> alsoRefused(Action action) {
-  if (action == Action::sculpt) return {Action::carve, Action::paint, Action::insertPoints, Action::mirror};
+  if (action == Action::sculpt)
+    return {Action::carve, Action::paint, Action::insertPoints, Action::mirror, Action::layer};
   if (action == Action::move) return {Action::place};
-  if (action == Action::select) return {Action::field};
+  if (action == Action::select) return {Action::field, Action::layer};
   return {};
 }
 
@@ -120,7 +125,8 @@ Abilities::Abilities(ModelKind kind, const TouchCapabilities& can, std::string_v
   }
   if (can.keepsEdits) return;
   const std::string deaf = fmt::format("back end {} does not report its edits; use vulkan or cpu", backend);
-  for (const Action action : {Action::undo, Action::record, Action::select, Action::field}) refuse(action, deaf);
+  for (const Action action : {Action::undo, Action::record, Action::select, Action::field, Action::layer})
+    refuse(action, deaf);
 }
 
 void Abilities::require(Action action, std::string_view what) const {

@@ -45,8 +45,9 @@ enum class Action {
   field,   ///< set numbers of points
   place,   ///< give the model another pose among others
   mirror,  ///< sculpt with symmetry
+  layer,   ///< make layers of strokes, and slide their strength
 };
-inline constexpr std::size_t kActions = static_cast<std::size_t>(Action::mirror) + 1;  // the last
+inline constexpr std::size_t kActions = static_cast<std::size_t>(Action::layer) + 1;  // the last
 
 /// The action that a brush requires: carve and paint for themselves, Action::sculpt for all others.
 Action actionOf(BrushKind kind);

@@ -23,6 +23,7 @@ EditRelay::EditRelay(const PointCloud& cloud, LayerAttributes& attributes, EditS
     : cloud_(cloud), attributes_(attributes), edits_(edits), shape_(shape), options_(options) {
   if (!options.keepsPoints && !shape_) return;
   history_.emplace(options.keepsPoints && !options.isPart ? PointStates(cloud) : PointStates(), options.undo);
+  history_->setStrokeLayers(attributes.strokeLayers());
   if (options.keepsPoints && edits_) edits_->keep();
 }
 
@@ -164,8 +165,42 @@ void EditRelay::setPoints(std::span<const PointChange> changes) {
   catchUp();
 }
 
+void EditRelay::noteLayer(StrokeLayerChange change, EditMark::Kind kind) {
+  changed_.marks.reserve(changed_.marks.size() + 1);
+  changed_.attributes.emplace_back(std::move(change));
+  changed_.marks.push_back({0, kind});
+}
+
+void EditRelay::slide(StrokeLayerChange change) {
+  catchUp();
+  const std::vector<PointChange> changes = history_->slide(change);
+  if (changes.empty()) {
+    change.moves = StrokeLayerChange::Points::none;
+    noteLayer(change, EditMark::Kind::attribute);
+    history_->slideUnseen(std::move(change));
+    return catchUp();
+  }
+  noteLayer(change, EditMark::Kind::attribute);
+  try {
+    edits_->change(changes);
+  } catch (...) {
+    history_->cancelSlide();
+    changed_.clear();
+    throw;
+  }
+  history_->beginSlide(std::move(change));
+  endsInStroke_ = true;
+  catchUp();
+}
+
+// A stroke of a layer has its points one by one.
 void EditRelay::changePresence(const PointSet& points) {
   catchUp();
+  if (attributes_.strokeLayers().open()) {
+    PointStates after = history_->points();
+    after.flip(points);
+    return setPoints(presenceChanges(points, after));
+  }
   history_->changePresence(points, [this](const PointSet& changed) { carryPresence(changed); });
   endsInStroke_ = true;
   catchUp();
@@ -233,7 +268,8 @@ History::Carriers EditRelay::carriers(const EditMark::Kind& kind) {
               [this, &kind](AttributeChange& change) {
                 exchange(change, kind);
                 return true;
-              }};
+              },
+          .layers = [this, &kind](StrokeLayerChange change) { noteLayer(std::move(change), kind); }};
 }
 
 bool EditRelay::takeBack() {

@@ -67,7 +67,7 @@ class EditRelay {
   History* history() { return history_ ? &*history_ : nullptr; }
   const History* history() const { return history_ ? &*history_ : nullptr; }
   bool keepsPoints() const { return options_.keepsPoints; }
-  /// Changes a mask or a field, which can be undone, between strokes; if memory is out, nothing has changed. Requires
+  /// Changes a mask, a field or a layer of strokes, which can be undone, between strokes; if memory is out, nothing has changed. Requires
   /// keepsPoints(), since new points take the masks and values of their parents.
   void change(AttributeChange change);
   /// Sets points, each once and not at the state `to` yet, to that state, as one stroke, between strokes. Throws as
@@ -75,6 +75,8 @@ class EditRelay {
   void setPoints(std::span<const PointChange> changes);
   /// Removes existing points and restores others, likewise.
   void changePresence(const PointSet& points);
+  /// Gives a layer of strokes another strength, likewise: one stroke, or more of the stroke before.
+  void slide(StrokeLayerChange change);
   /// Undoes up to `undo` changes and redoes up to `redo` of them, between strokes, once all edits were taken. If one
   /// fails, the history stays as after the last one that did not.
   UndoneStrokes undo(std::size_t undo, std::size_t redo);
@@ -89,6 +91,7 @@ class EditRelay {
   void exchange(AttributeChange& change, EditMark::Kind kind, bool inBackEnd = true);
   void applyLock();
   void applyHidden();
+  void noteLayer(StrokeLayerChange change, EditMark::Kind kind);
   void carryPresence(const PointSet& points);
   // `kind`: of the marks; read while the carriers are used.
   History::Carriers carriers(const EditMark::Kind& kind);

@@ -121,6 +121,9 @@ class InteractiveSession {
   void setField(std::string_view name, ScalarType type, const PointSet& points, std::vector<std::byte> values) {
     if (!failed_) session_.setField(name, type, points, std::move(values));
   }
+  void setStrokeLayer(std::uint32_t number, StrokeLayer set, bool isOpen, bool continues = false) {
+    if (!failed_) session_.setStrokeLayer(number, std::move(set), isOpen, continues);
+  }
   void changePoints(const PointSet& points, const PointsAction& action) {
     if (!failed_) session_.changePoints(points, action);
   }

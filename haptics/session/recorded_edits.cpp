@@ -1,6 +1,8 @@
 #include "haptics/session/recorded_edits.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -30,12 +32,23 @@ bool isSame(std::span<const PointState> states, std::span<const PointChange> cha
 std::uint64_t endOf(const AttributeChange& change) {
   if (const auto* const flip = std::get_if<MaskFlip>(&change)) return flip->points.end();
   if (const auto* const of = std::get_if<FieldChange>(&change)) return of->points.end();
+  if (const auto* const strokes = std::get_if<StrokeLayerChange>(&change)) {
+    std::uint64_t end = 0;
+    for (const StrokeLayerPoint& point : strokes->points)
+      end = std::max({end, point.after.number + 1, point.after.parent + 1, point.before.parent + 1});
+    return end;
+  }
   return std::get<FieldPresence>(change).points;
 }
 
-std::uint32_t fieldOf(const AttributeChange& change) {
+// In words, with the number of those that there are.
+std::string misfit(const AttributeChange& change, const LayerAttributes& known) {
+  if (const auto* const strokes = std::get_if<StrokeLayerChange>(&change))
+    return fmt::format("layer of strokes {}, which does not exist or is another one; there are {} then",
+                       strokes->number, known.strokeLayers().size());
   const auto* const of = std::get_if<FieldChange>(&change);
-  return of ? of->field : std::get<FieldPresence>(change).field;
+  return fmt::format("field {}, which does not exist or is another one; there are {} then",
+                     of ? of->field : std::get<FieldPresence>(change).field, known.fields().size());
 }
 
 void requireAttributesOf(const std::filesystem::path& log, std::size_t most, const SessionRecord& record) {
@@ -46,9 +59,12 @@ void requireAttributesOf(const std::filesystem::path& log, std::size_t most, con
                                        endOf(change) - 1, most));
     if (!known.fits(change)) {
       if (!record.gaps.empty()) continue;
-      throw FileError(log, fmt::format("is damaged: it changes field {}, which does not exist or is another one; there "
-                                       "are {} then",
-                                       fieldOf(change), known.fields().size()));
+      throw FileError(log, "is damaged: it changes " + misfit(change, known));
+    }
+    if (const auto* const strokes = std::get_if<StrokeLayerChange>(&change)) {
+      AttributeChange set = StrokeLayerChange{
+          .number = strokes->number, .isPresent = strokes->isPresent, .set = strokes->set, .open = strokes->open};
+      known.exchange(set);
     }
     const auto* const of = std::get_if<FieldPresence>(&change);
     if (!of) continue;
@@ -81,15 +97,29 @@ class EditsAgain {
         .points = [&](std::span<const PointChange> changes) { return isSame(states, changes); },
         .shape = [](ShapeStroke&) { return false; },
         .attributes = [](AttributeChange&) { return false; }};
+    const std::optional<StrokeLayerChange> ofLayer = std::exchange(ofLayer_, std::nullopt);
     const bool mayBeUndo = kind == EditMark::Kind::change && !history_.inStroke();
     if (mayBeUndo && (history_.undo(isThat) || history_.redo(isThat))) return;
+    if (ofLayer && kind == EditMark::Kind::stroke) {
+      history_.slide(*ofLayer);
+      history_.beginSlide(*ofLayer);
+    }
+    std::vector<PointState> before;
+    for (const PointState& state : states) before.push_back(history_.points()[state.number]);
     EditBatch batch{.points = {states.begin(), states.end()}, .marks = {{states.size(), kind}}};
     attributes_.follow(batch, history_.points());
     history_.follow(batch);
+    if (ofLayer && kind == EditMark::Kind::change) followInLayer(*ofLayer, before);
   }
 
   void change(AttributeChange change, EditMark::Kind kind) {
     if (!attributes_.fits(change)) return;
+    if (const auto* const layer = std::get_if<StrokeLayerChange>(&change);
+        layer && layer->moves != StrokeLayerChange::Points::none) {
+      ofLayer_ = *layer;
+      return;
+    }
+    if (kind == EditMark::Kind::attribute && slidesUnseen(change)) return;
     const auto exchange = [&](AttributeChange& made) { attributes_.exchange(made); };
     if (kind == EditMark::Kind::attribute) return history_.make(std::move(change), exchange);
     const History::Carriers isThat{.points = [](std::span<const PointChange>) { return false; },
@@ -110,16 +140,41 @@ class EditsAgain {
     const auto* const made = std::get_if<FieldPresence>(&a);
     const auto* const other = std::get_if<FieldPresence>(&b);
     if (made && other) return made->field == other->field && made->isPresent == other->isPresent;
+    const auto* const layer = std::get_if<StrokeLayerChange>(&a);
+    const auto* const same = std::get_if<StrokeLayerChange>(&b);
+    if (layer && same)
+      return layer->number == same->number && layer->isPresent == same->isPresent && layer->set == same->set;
     return a == b;
+  }
+
+  // Another strength of a layer whose points do not exist.
+  bool slidesUnseen(const AttributeChange& change) {
+    const auto* const layer = std::get_if<StrokeLayerChange>(&change);
+    const StrokeLayers& layers = attributes_.strokeLayers();
+    if (!layer || layer->number >= layers.size() || !layer->isPresent) return false;
+    if (layers[layer->number].shown() == layer->set.shown()) return false;
+    history_.slide(*layer);
+    history_.slideUnseen(*layer);
+    return true;
+  }
+
+  // What is undone or redone is not kept: the layer follows nevertheless.
+  void followInLayer(const StrokeLayerChange& of, std::span<const PointState> before) {
+    if (of.moves == StrokeLayerChange::Points::strokes)
+      return attributes_.strokeLayers().record(of.number, before, history_.points());
+    AttributeChange change = of;
+    attributes_.exchange(change);
   }
 
   History& history_;
   LayerAttributes& attributes_;
+  std::optional<StrokeLayerChange> ofLayer_;  // what the next states are of
 };
 
 }  // namespace
 
 void followAgain(History& history, LayerAttributes& attributes, const EditBatch& edits) {
+  history.setStrokeLayers(attributes.strokeLayers());
   EditsAgain again(history, attributes);
   const std::span<const PointState> all = edits.points;
   std::size_t begin = 0;

@@ -238,6 +238,11 @@ class Session {
   /// The same of the field of that name, which is made if it is missing (fieldNamed()): one change in either case.
   /// Throws Error also if the field has another type.
   void setField(std::string_view name, ScalarType type, const PointSet& points, std::vector<std::byte> values);
+  /// Makes the layer of strokes of the next number, or sets one otherwise, until undo(). `isOpen`: strokes become part
+  /// of it, and of no other; its strength is 1 then. `continues`: the slide of its strength is part of the entry of the
+  /// slide before, if that is the last one. Throws as setMask(), and for a layer that is merged, or a strength out of
+  /// bounds.
+  void setStrokeLayer(std::uint32_t number, StrokeLayer set, bool isOpen, bool continues = false);
   /// Removes those of the points that exist, paints or moves them, as one stroke; or SetPoints, whatever the set.
   /// Throws as setMask(), and for an action that validate() refuses; then nothing has changed.
   void changePoints(const PointSet& points, const PointsAction& action);

@@ -142,12 +142,17 @@ const LayerAttributes& Session::attributesFor(Action action, std::string_view wh
 }
 
 void Session::change(AttributeChange change) {
-  const bool isMask = std::holds_alternative<MaskFlip>(change);
-  const LayerAttributes& attributes =
-      attributesFor(isMask ? Action::select : Action::field, isMask ? "select" : "field");
+  constexpr std::array<std::pair<Action, const char*>, std::variant_size_v<AttributeChange>> kActionOf{
+      {{Action::select, "select"}, {Action::field, "field"}, {Action::field, "field"}, {Action::layer, "layer"}}};
+  const auto& [action, what] = kActionOf[change.index()];
+  const LayerAttributes& attributes = attributesFor(action, what);
   between([&] {
-    if (!attributes.fits(change)) throw Error("a recorded change of a field does not fit; the session differs");
-    relay_.change(std::move(change));
+    if (!attributes.fits(change)) throw Error("a recorded change of a {} does not fit; the session differs", what);
+    auto* const layer = std::get_if<StrokeLayerChange>(&change);
+    if (layer && layer->moves != StrokeLayerChange::Points::none)
+      relay_.slide(std::move(*layer));
+    else
+      relay_.change(std::move(change));
     channel_.note(LoggedCommand::Kind::attribute, {});
   });
 }
@@ -248,6 +253,32 @@ void Session::setField(std::string_view name, ScalarType type, const PointSet& p
       next += static_cast<std::ptrdiff_t>(bytes);
     });
     change(std::move(made));
+  });
+}
+
+void Session::setStrokeLayer(std::uint32_t number, StrokeLayer set, bool isOpen, bool continues) {
+  const StrokeLayers& layers = attributesFor(Action::layer, "layer").strokeLayers();
+  if (number > layers.size())
+    throw Error("layer: the model has {} layers, and none with number {}", layers.size(), number);
+  if (number < layers.size() && layers[number].isMerged)
+    throw Error("layer {}: its strokes were merged into the model", layers[number].name);
+  if (!(set.strength >= kMinStrength && set.strength <= kMaxStrength))
+    throw Error("layer {}: the strength must be from {} to {}, not {}", set.name, kMinStrength, kMaxStrength,
+                set.strength);
+  between([&] {
+    using Points = StrokeLayerChange::Points;
+    StrokeLayerChange change{.number = number, .set = std::move(set), .open = layers.open()};
+    if (isOpen) {
+      change.open = number;
+      change.set.strength = 1;
+      change.set.isHidden = false;
+    } else if (change.open == number) {
+      change.open.reset();
+    }
+    if (number < layers.size() && layers[number] == change.set && layers.open() == change.open) return;
+    if (number < layers.size() && layers[number].shown() != change.set.shown())
+      change.moves = continues ? Points::slideContinued : Points::slide;
+    this->change(std::move(change));
   });
 }
 

@@ -306,6 +306,31 @@ def test_python_is_light_to_import():
     assert done.stdout.split()[1].count(".") == 2
 
 
+def test_layers_of_strokes_slide_after_the_fact(ball):
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1) as session:
+        session.open_layer("dent")
+        session.push(press_path(3), radius_mm=5)
+        made = session.cloud().positions
+        assert session.layer("dent")[:2] == (1.0, False) and session.layer("dent")[2] > 10
+        session.slide_layer("dent", 0)
+        assert np.array_equal(session.cloud().positions, ball.positions)
+        for step in (0.2, 0.5, 1):
+            session.slide_layer("dent", step, continues=True)
+        assert np.array_equal(session.cloud().positions, made)
+        session.hide_layer("dent")
+        assert session.layer("dent")[1] and np.array_equal(session.cloud().positions, ball.positions)
+        assert session.undo() == 1 and np.array_equal(session.cloud().positions, made)
+        assert session.undo() == 1 and np.array_equal(session.cloud().positions, made)
+        session.merge_layer("dent")
+        for wrong in ("dent", "other"):
+            with pytest.raises(pp.UsageError, match=f"named '{wrong}'"):
+                session.slide_layer(wrong, 0)
+        session.open_layer("dent")
+        session.close_layer()
+        with pytest.raises(pp.UsageError, match="not between -1 and 2"):
+            session.slide_layer("dent", 3)
+
+
 def test_masks_hide_and_lock_points_of_a_session(ball):
     with pp.Session(ball, gpu="cpu", mm_per_unit=1) as session:
         top = ball.positions[:, 2] > 0

@@ -262,6 +262,30 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
                   const std::array<double, 4>& rotation = {1, 0, 0, 0}, double scale = 1) {
     check(pp_session_move_points(handle(), mask.data(), mask.size(), rotation.data(), scale, offset.data()));
   }
+  /// Strokes become part of the layer of that name (pp_session_open_layer()), or with closeLayer() of none.
+  void openLayer(const std::string& name) { check(pp_session_open_layer(handle(), name.c_str())); }
+  void closeLayer() { check(pp_session_open_layer(handle(), nullptr)); }
+  /// Gives its strokes another strength, from -1 to 2 (pp_session_slide_layer()).
+  void slideLayer(const std::string& name, double strength, bool continues = false) {
+    check(pp_session_slide_layer(handle(), name.c_str(), strength, continues));
+  }
+  void hideLayer(const std::string& name, bool hidden = true) {
+    check(pp_session_hide_layer(handle(), name.c_str(), hidden));
+  }
+  void mergeLayer(const std::string& name) { check(pp_session_merge_layer(handle(), name.c_str())); }
+  /// How it is set, and the number of points that its strokes have changed.
+  struct Layer {
+    double strength = 0;
+    bool isHidden = false;
+    std::uint64_t points = 0;
+  };
+  Layer layer(const std::string& name) {
+    Layer layer;
+    std::uint32_t hidden = 0;
+    check(pp_session_layer(handle(), name.c_str(), &layer.strength, &hidden, &layer.points));
+    layer.isHidden = hidden != 0;
+    return layer;
+  }
   /// A byte for each of the `points` present points.
   std::vector<std::uint8_t> mask(pp_mask which, std::uint64_t points) {
     std::vector<std::uint8_t> mask(points);

@@ -141,6 +141,28 @@ PP_API pp_status pp_session_mask(pp_session session, pp_mask which, uint8_t* mas
  * nearer than `radius_mm`, mm in the hand, which count less the farther they are. Undone as a stroke. Errors as for
  * pp_session_set_mask(), and PP_ERROR_ARGUMENT for a radius that is not positive. */
 PP_API pp_status pp_session_soften_lock(pp_session session, double radius_mm);
+/** Makes a layer of strokes of that name, or opens one again at strength 1: all strokes become part of it, until
+ * another one is opened, its strength slides, it is hidden or merged, or `name` is null, which ends that. The first
+ * layer of a session rebuilds the index as the first brush does: PP_ERROR_STATE for that one while the session is live.
+ * PP_ERROR_ARGUMENT, with the reason, if the model does not allow it. This and the calls below are undone as a stroke
+ * is. */
+PP_API pp_status pp_session_open_layer(pp_session session, const char* name);
+/** Gives the strokes of a layer another strength, from -1 to 2: with 0 the points are as before them, with 1 as after
+ * them, both to the last bit, and between and beyond moved along the straight line through both. Points that the
+ * strokes removed are gone from 0.5 on; points that they inserted slide from their parents, and are gone at 0 and
+ * below. What other strokes have done to the points since stays. `continues`: 1 adds to the slide before, as one change
+ * to be undone, while a user drags; else 0. PP_ERROR_ARGUMENT also where there is no layer of that name. */
+PP_API pp_status pp_session_slide_layer(pp_session session, const char* name, double strength, uint32_t continues);
+/** Hides a layer of strokes, as with strength 0, or shows it again at its strength. Errors as for
+ * pp_session_slide_layer(). */
+PP_API pp_status pp_session_hide_layer(pp_session session, const char* name, uint32_t hidden);
+/** Makes a layer of strokes part of the model, as strong as it is; its name can be given again. Errors as for
+ * pp_session_slide_layer(). */
+PP_API pp_status pp_session_merge_layer(pp_session session, const char* name);
+/** How a layer of strokes is set, and the number of points that its strokes have changed; each may be null. Errors as
+ * for pp_session_slide_layer(). */
+PP_API pp_status pp_session_layer(pp_session session, const char* name, double* strength, uint32_t* hidden,
+                                  uint64_t* points);
 /** Takes in the edits that pp_touch() with a budget, or a live hand, has made. Call it some thirty times a second:
  * edits are dropped once too many are pending. Pictures and pp_live_read_ticks() do it, too. In a joined session this
  * also sends the edits to the other programs; PP_ERROR_NETWORK once this hand's part in it has ended. */

@@ -1,0 +1,61 @@
+// The part of Panels for layers of strokes.
+#include <imgui.h>
+
+#include "apps/view/panels.hpp"
+#include "engine/core/counted.hpp"
+
+namespace palpate {
+
+void Panels::drawLayers(const ViewStatus& status) {
+  if (!status.session->session().abilities().allow(Action::layer)) return;
+  using What = LayerCommand::What;
+  const StrokeLayers& layers = status.session->attributes().strokeLayers();
+  const bool isOpen = layers.open().has_value();
+  if (post(button(isOpen ? "End layer" : "New layer", em(5.5)), LayerCommand{What::addOrClose, layerName_.data()}))
+    layerName_ = {};
+  help(isOpen ? "L: later strokes are in no layer"
+              : "L: the strokes from now on are a layer; its strength slides after the fact, and it can be hidden");
+  if (!isOpen) {
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-1);
+    if (post(field("name of the layer", layerName_), LayerCommand{What::add, layerName_.data()})) layerName_ = {};
+  }
+  for (auto number = static_cast<std::uint32_t>(layers.size()); number-- > 0;)
+    if (!layers[number].isMerged) drawLayer(layers, number);
+}
+
+void Panels::drawLayer(const StrokeLayers& layers, std::uint32_t number) {
+  using What = LayerCommand::What;
+  const StrokeLayer& layer = layers[number];
+  const std::string& name = layer.name;
+  ImGui::PushID(static_cast<int>(number));
+  bool isShown = !layer.isHidden;
+  post(noted("show " + name, ImGui::Checkbox("##show", &isShown)),
+       LayerCommand{isShown ? What::show : What::hide, name});
+  help("shows " + name + ", or hides it: the points are as before its strokes");
+  ImGui::SameLine();
+  const bool isOpen = layers.open() == number;
+  post(noted("into " + name, ImGui::RadioButton("##into", isOpen)),
+       LayerCommand{isOpen ? What::close : What::open, name});
+  help("strokes go into " + name + ", at strength 1; or no longer");
+  ImGui::SameLine();
+  double strength = layer.strength;
+  constexpr double kNone = 0, kAll = 1;
+  ImGui::SetNextItemWidth(em(5));
+  const bool isChanged = ImGui::SliderScalar("##strength", ImGuiDataType_Double, &strength, &kNone, &kAll, "%.2f");
+  if (ImGui::IsItemActivated()) slides_ = false;
+  if (post(noted(name, isChanged), LayerCommand{slides_ ? What::slideFurther : What::slide, name, strength}))
+    slides_ = true;
+  help(
+      "strength of the strokes: with 0 the points are as before them, with 1 as they were made; Ctrl+click: any number "
+      "from -1 (the other way) to 2. Points that they removed are gone from 0.5 on; points that they inserted slide "
+      "from those beside them, and are gone at 0. What other strokes did since stays");
+  ImGui::SameLine();
+  post(noted("merge " + name, ImGui::SmallButton("merge")), LayerCommand{What::merge, name});
+  help(name + " becomes part of the model, as strong as it is");
+  ImGui::SameLine();
+  ImGui::TextUnformatted(name.c_str());
+  ImGui::PopID();
+}
+
+}  // namespace palpate

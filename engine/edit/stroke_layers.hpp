@@ -1,0 +1,82 @@
+// Layers of strokes, whose strength slides after the fact.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/attribute_change.hpp"
+#include "engine/edit/point_states.hpp"
+
+namespace palpate {
+
+inline constexpr double kMinStrength = -1, kMaxStrength = 2;
+/// Points that strokes of a layer removed are removed from this strength on. Inserted ones exist above 0.
+inline constexpr double kRemovesFrom = 0.5;
+
+/// The layers of strokes of a cloud: the points before and after the strokes of each, which are recorded, undone and
+/// redone together with the entries of the history. A position is that before, and strength times the displacement;
+/// what other strokes have done to the point since stays. For one thread.
+class StrokeLayers {
+ public:
+  /// Number of layers, including merged ones.
+  std::size_t size() const { return layers_.size(); }
+  const StrokeLayer& operator[](std::size_t number) const { return layers_[number].set; }
+  /// The layer that strokes become part of.
+  std::optional<std::uint32_t> open() const { return open_; }
+  /// Number of the layer of that name; merged ones are left out.
+  std::optional<std::uint32_t> named(std::string_view name) const;
+  /// Number of points that its strokes have changed.
+  std::size_t pointsOf(std::size_t number) const;
+  /// Memory.
+  std::uint64_t bytes() const;
+
+  /// As LayerAttributes: whether a change can be carried out, carries it out and makes it the one that undoes it, and
+  /// all layers as changes.
+  bool fits(const StrokeLayerChange& change) const;
+  void exchange(StrokeLayerChange& change);
+  std::vector<AttributeChange> all() const;
+
+  /// A stroke becomes part of a layer: `before` are its points before it, each once, `present` all points after it.
+  void record(std::uint32_t number, std::span<const PointState> before, const PointStates& present);
+
+  /// The changes of points by which a layer gets another strength, including those of points that are removed before
+  /// and after, of which no other program has to know.
+  std::vector<PointChange> slide(const StrokeLayerChange& to, const PointStates& present);
+  /// Notes which points something else has removed, as long as this layer does not do so itself. Before each change of
+  /// its strength.
+  void observe(std::uint32_t number, const PointStates& present);
+
+ private:
+  struct Layer {
+    StrokeLayer set;
+    std::vector<StrokeLayerPoint> points;
+    std::vector<std::vector<std::uint32_t>> pages;  // by number of the point: index of its last strokes
+
+    std::uint32_t last(std::uint64_t point) const;
+    void setLast(std::uint64_t point, std::uint32_t index);
+    bool isLast(std::uint32_t index) const { return last(points[index].after.number) == index; }
+    const StrokeLayerPoint& first(std::uint32_t index) const;
+    /// Where `point` was before the layer.
+    PointState before(std::uint64_t point, const PointStates& present) const;
+    void extend(const PointState& from, const PointState& to, const PointStates& present);
+    /// Whether it inserted or removed the point, whose last strokes these are.
+    bool changesPresence(std::uint32_t index) const;
+    bool removes(std::uint32_t index, double strength) const;
+  };
+  bool isRemovedByOthers(std::uint64_t point, const Layer& than) const;
+  static PointState slid(const Layer& layer, std::uint32_t index, double from, double to, const PointState& present);
+
+  std::vector<Layer> layers_;
+  std::optional<std::uint32_t> open_;
+  PointSet removed_;  // by something else, where a layer removes them as well
+};
+
+/// A layer that is made in the numbers of renumbered(): `numbers` of the existing ones of `states`.
+StrokeLayerChange renumbered(StrokeLayerChange change, std::span<const PointState> states,
+                             std::span<const std::uint64_t> numbers);
+
+}  // namespace palpate
