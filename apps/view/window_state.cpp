@@ -37,6 +37,18 @@ constexpr Reported<PlaceInfo> kPicked[]{
     {"stiffness_of", "", "what has this stiffness", field<&PlaceInfo::stiffnessOf>},
 };
 
+Json layersOf(const StrokeLayers& layers) {
+  Json all = Json::array();
+  for (std::uint32_t i = 0; i < layers.size(); ++i)
+    if (!layers[i].isMerged)
+      all.push_back({{"name", layers[i].name},
+                     {"strength", layers[i].strength},
+                     {"hidden", layers[i].isHidden},
+                     {"open", layers.open() == i},
+                     {"points", layers.pointsOf(i)}});
+  return all;
+}
+
 Json offersOf(const HeldDevice& held) {
   Json offers = Json::array();
   if (held.around())
@@ -171,6 +183,10 @@ constexpr Reported<WindowState> kWindow[]{
      [](const WindowState& w) -> Value { return w.selection.locked; }},
     {"selection.within", "", "existing points that brushes may change, if not all",
      [](const WindowState& w) -> Value { return w.selection.within; }},
+    {"layers", "", "layers of strokes that are not merged, each with name, strength, hidden, open and points",
+     [](const WindowState& w) -> Value {
+       return w.session() ? layersOf(w.session()->attributes().strokeLayers()) : Json::array();
+     }},
     {"stylus", "", "whether the mouse holds the stylus", field<&WindowState::stylus>},
     {"mesh_triangles", "", "triangles shown in place of the points", field<&WindowState::meshTriangles>},
     {"fps", "1/s", "pictures per second", field<&WindowState::fps>},

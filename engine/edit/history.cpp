@@ -375,19 +375,19 @@ bool History::carryOut(HistoryChange& change, const Carriers& carriers) {
                     : presence ? carryOut(*presence, carriers)
                     : shape    ? carriers.shape(*shape)
                                : carriers.attributes(std::get<AttributeChange>(change.what));
-  if (done) std::swap(version_, change.version);
-  return done;
+  if (!done) return false;
+  endsInSlide_ = false;
+  std::swap(version_, change.version);
+  return true;
 }
 
 bool History::undo(const Carriers& carriers) {
   PALPATE_CHECK(!inStroke_);
-  endsInSlide_ = false;
   return list_.undo([&](HistoryChange& change) { return carryOut(change, carriers); });
 }
 
 bool History::redo(const Carriers& carriers) {
   PALPATE_CHECK(!inStroke_);
-  endsInSlide_ = false;
   return list_.redo([&](HistoryChange& change) { return carryOut(change, carriers); });
 }
 

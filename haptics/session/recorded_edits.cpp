@@ -98,7 +98,7 @@ class EditsAgain {
         .shape = [](ShapeStroke&) { return false; },
         .attributes = [](AttributeChange&) { return false; }};
     const std::optional<StrokeLayerChange> ofLayer = std::exchange(ofLayer_, std::nullopt);
-    const bool mayBeUndo = kind == EditMark::Kind::change && !history_.inStroke();
+    const bool mayBeUndo = kind == EditMark::Kind::change && !states.empty() && !history_.inStroke();
     if (mayBeUndo && (history_.undo(isThat) || history_.redo(isThat))) return;
     if (ofLayer && kind == EditMark::Kind::stroke) {
       history_.slide(*ofLayer);
