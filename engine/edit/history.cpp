@@ -252,8 +252,8 @@ void History::slideUnseen(StrokeLayerChange change) {
 }
 
 void History::reopenSlide() {
-  const bool continues = slide_ && slide_->moves == StrokeLayerChange::Points::slideContinued;
-  if (!std::exchange(endsInSlide_, false) || !continues || !keepsStroke_) return;
+  const bool isContinued = slide_ && slide_->moves == StrokeLayerChange::Points::slideContinued;
+  if (!std::exchange(endsInSlide_, false) || !isContinued || !keepsStroke_) return;
   HistoryChange last = list_.takeLast();
   open_ = std::get<PointStroke>(std::move(last.what));
   openVersion_ = last.version;
