@@ -3,10 +3,10 @@
 #include "apps/cli/setting_options.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
-#include "engine/edit/stroke_layers.hpp"
 #include "haptics/builtin_path.hpp"
 #include "haptics/session/abilities.hpp"
 #include "haptics/session/devices.hpp"
+#include "haptics/session/session.hpp"
 #include "haptics/session/simulation.hpp"
 
 namespace palpate {
@@ -23,7 +23,7 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
                           "strength of the strokes at the end, as of a layer in the window: with 0 the points are as "
                           "before them, with 1 as they were made")
                       .typeName("S")
-                      .check(between(kMinStrength, kMaxStrength));
+                      .check(between(kMinLayerStrength, kMaxLayerStrength));
   addSetting(sub, options.undo, "undo").typeName("N");
   addSetting(sub, options.undo, "redo").typeName("M");
   addSetting(sub, options.undo, "memory_MiB").showDefault();

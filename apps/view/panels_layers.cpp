@@ -1,8 +1,9 @@
 // The part of Panels for layers of strokes.
 #include <imgui.h>
 
+#include <string>
+
 #include "apps/view/panels.hpp"
-#include "engine/core/counted.hpp"
 
 namespace palpate {
 
@@ -41,8 +42,11 @@ void Panels::drawLayer(const StrokeLayers& layers, std::uint32_t number) {
   ImGui::SameLine();
   double strength = layer.strength;
   constexpr double kNone = 0, kAll = 1;
-  ImGui::SetNextItemWidth(em(5));
-  const bool isChanged = ImGui::SliderScalar("##strength", ImGuiDataType_Double, &strength, &kNone, &kAll, "%.2f");
+  std::string format;
+  for (const char letter : name) format += letter == '%' ? "%%" : std::string(1, letter);
+  ImGui::SetNextItemWidth(em(8.5));
+  const bool isChanged =
+      ImGui::SliderScalar("##strength", ImGuiDataType_Double, &strength, &kNone, &kAll, (format + "  %.2f").c_str());
   if (ImGui::IsItemActivated()) slides_ = false;
   if (post(noted(name, isChanged), LayerCommand{slides_ ? What::slideFurther : What::slide, name, strength}))
     slides_ = true;
@@ -53,8 +57,6 @@ void Panels::drawLayer(const StrokeLayers& layers, std::uint32_t number) {
   ImGui::SameLine();
   post(noted("merge " + name, ImGui::SmallButton("merge")), LayerCommand{What::merge, name});
   help(name + " becomes part of the model, as strong as it is");
-  ImGui::SameLine();
-  ImGui::TextUnformatted(name.c_str());
   ImGui::PopID();
 }
 

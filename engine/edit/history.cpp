@@ -194,6 +194,7 @@ void History::beginStroke() {
   list_.begin();
   keepsStroke_ = list_.keepsAny();
   openVersion_ = version_;
+  if (!slide_) slides_ = {};
   reopenSlide();
 }
 
@@ -235,14 +236,10 @@ void History::endStroke() {
   open_ = {};
 }
 
-std::vector<PointChange> History::slide(const StrokeLayerChange& change) {
+std::span<const PointChange> History::slide(const StrokeLayerChange& change) {
   PALPATE_CHECK(layers_ && !inStroke_);
-  std::vector<PointChange> changes = layers_->slide(change, points_);
-  const auto seen =
-      std::ranges::partition(changes, [](const PointChange& each) { return !each.from.gone || !each.to.gone; });
-  unseen_.assign(seen.begin(), seen.end());
-  changes.erase(seen.begin(), seen.end());
-  return changes;
+  unseen_ = layers_->slide(change, points_, slides_);
+  return std::span(slides_).first(slides_.size() - unseen_);
 }
 
 void History::slideUnseen(StrokeLayerChange change) {
@@ -262,7 +259,7 @@ void History::reopenSlide() {
 
 void History::endInLayer() {
   if (slide_) {
-    for (const PointChange& change : std::exchange(unseen_, {})) {
+    for (const PointChange& change : std::span(slides_).last(std::exchange(unseen_, 0))) {
       if (keepsStroke_ && !isInStroke(change.to.number)) keepBefore(change.to.number);
       points_.set(change.to);
     }

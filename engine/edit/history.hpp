@@ -79,10 +79,11 @@ class History {
 
   /// The changes of points by which a layer of strokes is set so, between strokes; those of points that do not
   /// exist before and after are left out, and are made by the stroke after beginSlide().
-  std::vector<PointChange> slide(const StrokeLayerChange& change);
+  /// Valid until the next stroke.
+  std::span<const PointChange> slide(const StrokeLayerChange& change);
   /// The next stroke to be followed is that slide, of all points of slide(): it sets the layer.
   void beginSlide(StrokeLayerChange change) { slide_ = std::move(change); }
-  void cancelSlide() { slide_.reset(), unseen_.clear(); }
+  void cancelSlide() { slide_.reset(), unseen_ = 0; }
   /// The slide where slide() is empty: a whole stroke.
   void slideUnseen(StrokeLayerChange change);
 
@@ -153,7 +154,8 @@ class History {
   bool inStroke_ = false, keepsStroke_ = false;
   StrokeLayers* layers_ = nullptr;
   std::optional<StrokeLayerChange> slide_;  // the next stroke, or the one in progress
-  std::vector<PointChange> unseen_;         // by it, of points that do not exist before and after
+  std::vector<PointChange> slides_;         // by it; kept while it may be continued
+  std::size_t unseen_ = 0;                  // of these at the end, of points that do not exist before and after
   bool endsInSlide_ = false;                // the last entry is a slide, which may be continued
   std::uint64_t strokes_ = 0;
 };

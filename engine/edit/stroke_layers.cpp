@@ -1,6 +1,7 @@
 #include "engine/edit/stroke_layers.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -92,6 +93,7 @@ bool StrokeLayers::Layer::removes(std::uint32_t index, double strength) const {
 }
 
 void StrokeLayers::Layer::extend(const PointState& from, const PointState& to, const PointStates& present) {
+  toggles.reset();
   std::uint32_t index = last(to.number);
   while (index != kNone && points[index].earlier != kNone && hasNoEffect(points[index]) &&
          !isSameToTheBit(points[index].after, from))
@@ -141,7 +143,7 @@ bool StrokeLayers::fits(const StrokeLayerChange& change) const {
   if (change.layer != 0 || change.number > layers_.size()) return false;
   if (!change.isPresent && std::size_t{change.number} + 1 != layers_.size()) return false;
   if (change.isPresent && !isMade && !change.points.empty()) return false;
-  if (!(change.set.strength >= kMinStrength && change.set.strength <= kMaxStrength)) return false;
+  if (!(change.set.strength >= kMinLayerStrength && change.set.strength <= kMaxLayerStrength)) return false;
   const std::size_t count = change.isPresent ? layers_.size() + isMade : layers_.size() - 1;
   if (change.open && *change.open >= count) return false;
   for (std::size_t i = 0; i < change.points.size(); ++i) {
@@ -199,10 +201,18 @@ bool StrokeLayers::isRemovedByOthers(std::uint64_t point, const Layer& than) con
   });
 }
 
+const std::vector<std::uint32_t>& StrokeLayers::Layer::toggling() {
+  if (toggles) return *toggles;
+  toggles.emplace();
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    if (isLast(i) && changesPresence(i)) toggles->push_back(i);
+  return *toggles;
+}
+
 void StrokeLayers::observe(std::uint32_t number, const PointStates& present) {
-  const Layer& layer = layers_[number];
-  for (std::uint32_t i = 0; i < layer.points.size(); ++i) {
-    if (!layer.isLast(i) || !layer.changesPresence(i) || layer.removes(i, layer.set.shown())) continue;
+  Layer& layer = layers_[number];
+  for (const std::uint32_t i : layer.toggling()) {
+    if (layer.removes(i, layer.set.shown())) continue;
     const std::uint64_t point = layer.points[i].after.number;
     const bool isGone = present[point].gone;
     if (isGone == removed_.test(point) || isRemovedByOthers(point, layer)) continue;
@@ -235,25 +245,40 @@ PointState StrokeLayers::slid(const Layer& layer, std::uint32_t index, double fr
   return next;
 }
 
-std::vector<PointChange> StrokeLayers::slide(const StrokeLayerChange& to, const PointStates& present) {
+std::size_t StrokeLayers::slide(const StrokeLayerChange& to, const PointStates& present,
+                                std::vector<PointChange>& changes) {
   observe(to.number, present);
   const Layer& layer = layers_[to.number];
   const double was = layer.set.shown(), next = to.set.shown();
-  std::vector<PointChange> changes(layer.points.size());
+  changes.resize(layer.points.size());
+  std::atomic<std::size_t> unchanged = 0, unseen = 0;
   parallelFor(changes.size(), 0, [&](std::size_t begin, std::size_t end) {
+    std::size_t same = 0, gone = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const auto index = static_cast<std::uint32_t>(i);
       const std::uint64_t point = layer.points[i].after.number;
-      if (!layer.isLast(index)) continue;
+      changes[i] = {};
+      if (!layer.isLast(index)) {
+        ++same;
+        continue;
+      }
       const PointState from = present[point];
       PointState then = slid(layer, index, was, next, from);
       if (layer.changesPresence(index))
         then.gone = layer.removes(index, next) || removed_.test(point) || isRemovedByOthers(point, layer);
       changes[i] = {from, then};
+      same += isSameToTheBit(from, then);
+      gone += from.gone && then.gone;
     }
+    unchanged += same;
+    unseen += gone;
   });
-  std::erase_if(changes, [](const PointChange& change) { return isSameToTheBit(change.from, change.to); });
-  return changes;
+  if (unchanged > 0)
+    std::erase_if(changes, [](const PointChange& change) { return isSameToTheBit(change.from, change.to); });
+  if (unseen == 0) return 0;
+  const auto last =
+      std::ranges::partition(changes, [](const PointChange& each) { return !each.from.gone || !each.to.gone; });
+  return last.size();
 }
 
 StrokeLayerChange renumbered(StrokeLayerChange change, std::span<const PointState> states,

@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-inline constexpr double kMinStrength = -1, kMaxStrength = 2;
+inline constexpr double kMinLayerStrength = -1, kMaxLayerStrength = 2;
 /// Points that strokes of a layer removed are removed from this strength on. Inserted ones exist above 0.
 inline constexpr double kRemovesFrom = 0.5;
 
@@ -43,9 +43,9 @@ class StrokeLayers {
   /// A stroke becomes part of a layer: `before` are its points before it, each once, `present` all points after it.
   void record(std::uint32_t number, std::span<const PointState> before, const PointStates& present);
 
-  /// The changes of points by which a layer gets another strength, including those of points that are removed before
-  /// and after, of which no other program has to know.
-  std::vector<PointChange> slide(const StrokeLayerChange& to, const PointStates& present);
+  /// Replaces `changes` by those by which a layer gets another strength; those of points that do not exist before and
+  /// after, which concern the history alone, come last. Returns their number.
+  std::size_t slide(const StrokeLayerChange& to, const PointStates& present, std::vector<PointChange>& changes);
   /// Notes which points something else has removed, as long as this layer does not do so itself. Before each change of
   /// its strength.
   void observe(std::uint32_t number, const PointStates& present);
@@ -54,7 +54,8 @@ class StrokeLayers {
   struct Layer {
     StrokeLayer set;
     std::vector<StrokeLayerPoint> points;
-    std::vector<std::vector<std::uint32_t>> pages;  // by number of the point: index of its last strokes
+    std::vector<std::vector<std::uint32_t>> pages;     // by number of the point: index of its last strokes
+    std::optional<std::vector<std::uint32_t>> toggles;  // indices that change presence, once they were asked for
 
     std::uint32_t last(std::uint64_t point) const;
     void setLast(std::uint64_t point, std::uint32_t index);
@@ -66,6 +67,7 @@ class StrokeLayers {
     /// Whether it inserted or removed the point, whose last strokes these are.
     bool changesPresence(std::uint32_t index) const;
     bool removes(std::uint32_t index, double strength) const;
+    const std::vector<std::uint32_t>& toggling();
   };
   bool isRemovedByOthers(std::uint64_t point, const Layer& than) const;
   static PointState slid(const Layer& layer, std::uint32_t index, double from, double to, const PointState& present);

@@ -8,7 +8,6 @@
 #include <cstring>
 
 #include "engine/core/tool_shape.hpp"
-#include "engine/edit/stroke_layers.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/mesh/mesh.hpp"
 #include "haptics/library/options.hpp"
@@ -273,8 +272,8 @@ pp_status pp_session_open_layer(pp_session session, const char* name) {
 
 pp_status pp_session_slide_layer(pp_session session, const char* name, double strength, uint32_t continues) {
   return commanding(session, [&](OpenSession& open) {
-    if (!(strength >= kMinStrength && strength <= kMaxStrength))
-      throw UsageError("strength: {} is not between {} and {}", strength, kMinStrength, kMaxStrength);
+    if (!(strength >= kMinLayerStrength && strength <= kMaxLayerStrength))
+      throw UsageError("strength: {} is not between {} and {}", strength, kMinLayerStrength, kMaxLayerStrength);
     open.setLayer(&required(name, "name"), continues != 0, [&](StrokeLayer& layer) { layer.strength = strength; });
   });
 }

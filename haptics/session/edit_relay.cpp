@@ -173,7 +173,7 @@ void EditRelay::noteLayer(StrokeLayerChange change, EditMark::Kind kind) {
 
 void EditRelay::slide(StrokeLayerChange change) {
   catchUp();
-  const std::vector<PointChange> changes = history_->slide(change);
+  const std::span<const PointChange> changes = history_->slide(change);
   if (changes.empty()) {
     change.moves = StrokeLayerChange::Points::none;
     noteLayer(change, EditMark::Kind::attribute);

@@ -67,8 +67,8 @@ class EditRelay {
   History* history() { return history_ ? &*history_ : nullptr; }
   const History* history() const { return history_ ? &*history_ : nullptr; }
   bool keepsPoints() const { return options_.keepsPoints; }
-  /// Changes a mask, a field or a layer of strokes, which can be undone, between strokes; if memory is out, nothing has changed. Requires
-  /// keepsPoints(), since new points take the masks and values of their parents.
+  /// Changes a mask, a field or a layer of strokes, which can be undone, between strokes; if memory is out, nothing has
+  /// changed. Requires keepsPoints(), since new points take the masks and values of their parents.
   void change(AttributeChange change);
   /// Sets points, each once and not at the state `to` yet, to that state, as one stroke, between strokes. Throws as
   /// EditStream::change() does; then nothing has changed. Requires keepsPoints() and edits.

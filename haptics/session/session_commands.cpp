@@ -262,8 +262,8 @@ void Session::setStrokeLayer(std::uint32_t number, StrokeLayer set, bool isOpen,
     throw Error("layer: the model has {} layers, and none with number {}", layers.size(), number);
   if (number < layers.size() && layers[number].isMerged)
     throw Error("layer {}: its strokes were merged into the model", layers[number].name);
-  if (!(set.strength >= kMinStrength && set.strength <= kMaxStrength))
-    throw Error("layer {}: the strength must be from {} to {}, not {}", set.name, kMinStrength, kMaxStrength,
+  if (!(set.strength >= kMinLayerStrength && set.strength <= kMaxLayerStrength))
+    throw Error("layer {}: the strength must be from {} to {}, not {}", set.name, kMinLayerStrength, kMaxLayerStrength,
                 set.strength);
   between([&] {
     using Points = StrokeLayerChange::Points;

@@ -48,7 +48,7 @@ struct Sculptor {
                              .open = layers().open(),
                              .moves = continues ? Points::slideContinued : Points::slide};
     change.set.strength = strength;
-    const std::vector<PointChange> changes = history.slide(change);
+    const std::span<const PointChange> changes = history.slide(change);
     if (changes.empty()) return history.slideUnseen(std::move(change));
     std::vector<PointState> states;
     for (const PointChange& each : changes) {
