@@ -31,8 +31,8 @@ void Panels::drawLayer(const StrokeLayers& layers, std::uint32_t number) {
   const std::string& name = layer.name;
   ImGui::PushID(static_cast<int>(number));
   bool isShown = !layer.isHidden;
-  post(noted("show " + name, ImGui::Checkbox("##show", &isShown)),
-       LayerCommand{isShown ? What::show : What::hide, name});
+  const bool isSwitched = noted("show " + name, ImGui::Checkbox("##show", &isShown));
+  post(isSwitched, LayerCommand{isShown ? What::show : What::hide, name});
   help("shows " + name + ", or hides it: the points are as before its strokes");
   ImGui::SameLine();
   const bool isOpen = layers.open() == number;
@@ -42,11 +42,11 @@ void Panels::drawLayer(const StrokeLayers& layers, std::uint32_t number) {
   ImGui::SameLine();
   double strength = layer.strength;
   constexpr double kNone = 0, kAll = 1;
-  std::string format;
+  std::string format = "%.2f  ";
   for (const char letter : name) format += letter == '%' ? "%%" : std::string(1, letter);
-  ImGui::SetNextItemWidth(em(8.5));
+  ImGui::SetNextItemWidth(em(7.6));
   const bool isChanged =
-      ImGui::SliderScalar("##strength", ImGuiDataType_Double, &strength, &kNone, &kAll, (format + "  %.2f").c_str());
+      ImGui::SliderScalar("##strength", ImGuiDataType_Double, &strength, &kNone, &kAll, format.c_str());
   if (ImGui::IsItemActivated()) slides_ = false;
   if (post(noted(name, isChanged), LayerCommand{slides_ ? What::slideFurther : What::slide, name, strength}))
     slides_ = true;

@@ -54,7 +54,7 @@ class StrokeLayers {
   struct Layer {
     StrokeLayer set;
     std::vector<StrokeLayerPoint> points;
-    std::vector<std::vector<std::uint32_t>> pages;     // by number of the point: index of its last strokes
+    std::vector<std::vector<std::uint32_t>> pages;      // by number of the point: index of its last strokes
     std::optional<std::vector<std::uint32_t>> toggles;  // indices that change presence, once they were asked for
 
     std::uint32_t last(std::uint64_t point) const;

@@ -20,7 +20,7 @@ TEST_CASE("a program slides the strokes of a layer, hides and merges them, and u
   PP_REQUIRE_OK(pp_session_layer(ball.session, "dent", &strength, &hidden, &points));
   CHECK(strength == 1);
   CHECK(hidden == 0);
-  CHECK(points > 20);
+  CHECK(points > 10);
   PP_REQUIRE_OK(pp_session_slide_layer(ball.session, "dent", 0.4, 0));
   PP_REQUIRE_OK(pp_session_slide_layer(ball.session, "dent", 0, 1));
   CHECK(placesOf(ball.session) == before);
