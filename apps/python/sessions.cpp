@@ -154,7 +154,8 @@ void bindTouch(py::class_<PySession>& session) {
           [](PySession& self, const std::string& name) { self.with([&](pp::Session& open) { open.openLayer(name); }); },
           py::arg("name"),
           "open_layer(name)\n\n"
-          "Makes a layer of strokes, or opens one again at strength 1: all strokes become part of it, until another\n"
+          "Makes the layer of strokes of that name, or opens it again at strength 1: all strokes become part of it, "
+          "until another\n"
           "one is opened, close_layer(), or until it slides, is hidden or merged. The first layer of a session is\n"
           "made before it is live. undo() undoes this and the changes below as a stroke.")
       .def(
@@ -167,7 +168,8 @@ void bindTouch(py::class_<PySession>& session) {
           },
           py::arg("name"), py::arg("strength"), py::arg("continues") = false,
           "slide_layer(name, strength, continues=False)\n\n"
-          "Gives the strokes of a layer another strength, from -1 to 2: with 0 the points are as before them, with 1\n"
+          "Gives the strokes of the layer of that name another strength, from -1 to 2: with 0 the points are as before "
+          "them, with 1\n"
           "as after them, to the last bit. Points that the strokes removed are gone from 0.5 on; points that they\n"
           "inserted slide from their parents, and are gone at 0. What other strokes did since stays. continues:\n"
           "adds to the slide before, as one change to be undone.")
@@ -177,13 +179,14 @@ void bindTouch(py::class_<PySession>& session) {
             self.with([&](pp::Session& open) { open.hideLayer(name, hidden); });
           },
           py::arg("name"), py::arg("hidden") = true,
-          "hide_layer(name, hidden=True)\n\nHides a layer of strokes, as with strength 0, or shows it again.")
+          "hide_layer(name, hidden=True)\n\nHides the layer of strokes of that name, as with strength 0, or shows it "
+          "again (hidden False).")
       .def(
           "merge_layer",
           [](PySession& self, const std::string& name) {
             self.with([&](pp::Session& open) { open.mergeLayer(name); });
           },
-          py::arg("name"), "merge_layer(name)\n\nMakes a layer part of the model, as strong as it is.")
+          py::arg("name"), "merge_layer(name)\n\nMakes the layer of that name part of the model, as strong as it is.")
       .def(
           "layer",
           [](PySession& self, const std::string& name) {
@@ -192,7 +195,8 @@ void bindTouch(py::class_<PySession>& session) {
           },
           py::arg("name"),
           "layer(name) -> tuple\n\n"
-          "Strength of a layer of strokes, whether it is hidden, and the number of points that its strokes changed.")
+          "Strength of the layer of strokes of that name, whether it is hidden, and the number of points that its "
+          "strokes changed.")
       .def(
           "undo",
           [](PySession& self, std::uint64_t strokes) {
