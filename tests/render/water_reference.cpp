@@ -28,6 +28,7 @@ Surface ballsOf(const Passes& p) {
         if (!(front < end)) continue;
         const std::size_t place = std::size_t{y} * p.size.width + x;
         result.depth[place] = std::min(result.depth[place], front);
+        ++result.cover[place];
         result.thickness[place] += share * std::sqrt(a) * (end - front) / p.particles.side;
       }
   }

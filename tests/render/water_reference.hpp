@@ -49,7 +49,7 @@ struct Passes {
   }
 };
 
-/// The nearest balls, and their thickness in sides of the model.
+/// The nearest balls, their thickness in sides of the model, and in place of cover their number.
 Surface ballsOf(const Passes& p);
 /// One direction of the narrow-range filter.
 Surface smoothedAlong(const Passes& p, const Surface& in, bool columns);

@@ -100,7 +100,7 @@ class WaterFixture : public PictureFixture {
   }
 };
 
-/// Water before a plate that covers the right half, with a part of the plate before it.
+/// Water before a plate that covers the right half, with a part of the plate and a narrow rod in its surface.
 Passes strewn(const UVec2& size_px, std::uint32_t supersample, bool orthographic) {
   Passes p{.camera = fromFront(orthographic ? 2.5 : 0),
            .size = {.width = size_px.x, .height = size_px.y, .supersample = supersample}};
@@ -110,7 +110,8 @@ Passes strewn(const UVec2& size_px, std::uint32_t supersample, bool orthographic
   for (std::uint32_t y = 0; y < size_px.y * supersample; ++y)
     for (std::uint32_t x = 0; x < size_px.x * supersample; ++x) {
       const bool isRight = 2 * x > size_px.x * supersample, isLow = 4 * y > 3 * size_px.y * supersample;
-      const float depth = isRight ? (isLow ? 3.2f : 5.f) : std::numeric_limits<float>::infinity();
+      const bool isRod = x / supersample == 2 * size_px.x / 5;  // narrow, where the water begins
+      const float depth = isRod ? 3.78f : isRight ? (isLow ? 3.2f : 5.f) : std::numeric_limits<float>::infinity();
       p.depths.push_back(std::bit_cast<std::uint32_t>(depth));
       p.lights.emplace_back(isRight ? 0.7f : 0.2f, 0.3f, 0.1f + 0.02f * static_cast<float>(x % 20),
                             isRight ? 1.f : 0.5f);
@@ -144,7 +145,8 @@ TEST_CASE_FIXTURE(CoreValidated<WaterFixture>, "each pass of water is that of do
       // A ray that grazes a ball may miss it.
       const bool same = gpu.depth[i] < kNone && balls.depth[i] < kNone ? std::abs(gpu.depth[i] - balls.depth[i]) < 1e-3
                                                                        : gpu.depth[i] == balls.depth[i];
-      wrong += !same || std::abs(gpu.thickness[i] - balls.thickness[i]) > 2e-3;
+      wrong += !same ||
+               std::abs(gpu.thickness[i] - balls.thickness[i]) > 1e-3 + 0.5 * unit * balls.cover[i];  // each is rounded
     }
     CHECK(wrong <= pixels / 500);
 
@@ -183,7 +185,7 @@ TEST_CASE_FIXTURE(CoreValidated<WaterFixture>, "each pass of water is that of do
         const DVec4 light(DVec3(rg.x, rg.y, ba.x) * double{ba.y}, ba.y);
         for (int k = 0; k < 4; ++k) wrong += std::abs(light[k] - expected[k]) > 4e-3 + 0.01 * std::abs(expected[k]);
       }
-    CHECK(wrong <= p.depths.size() / 50);
+    CHECK(wrong <= p.depths.size() / 1000);
   }
 }
 
