@@ -334,9 +334,9 @@ bool History::carryOut(PointStroke& stroke, const Carriers& carriers) {
     changes.push_back({.from = points_[to.number], .to = to});
   }
   // Of points that do not exist before and after only the history knows.
-  const auto seen = std::ranges::stable_partition(
-      changes, [&](const PointChange& each) { return !stroke.slide || !each.from.gone || !each.to.gone; });
-  const std::span carried(changes.begin(), seen.begin());
+  const auto isSeen = [&](const PointChange& each) { return !stroke.slide || !each.from.gone || !each.to.gone; };
+  const auto unseen = std::stable_partition(changes.begin(), changes.end(), isSeen);
+  const std::span<const PointChange> carried(changes.begin(), unseen);
   if (!carried.empty() && !carriers.points(carried)) return false;
   if (stroke.slide) layers_->observe(stroke.slide->number, points_);
   stroke.points.resize(changes.size());

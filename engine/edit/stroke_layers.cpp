@@ -276,9 +276,8 @@ std::size_t StrokeLayers::slide(const StrokeLayerChange& to, const PointStates& 
   if (unchanged > 0)
     std::erase_if(changes, [](const PointChange& change) { return isSameToTheBit(change.from, change.to); });
   if (unseen == 0) return 0;
-  const auto last =
-      std::ranges::partition(changes, [](const PointChange& each) { return !each.from.gone || !each.to.gone; });
-  return last.size();
+  const auto isSeen = [](const PointChange& change) { return !change.from.gone || !change.to.gone; };
+  return static_cast<std::size_t>(changes.end() - std::partition(changes.begin(), changes.end(), isSeen));
 }
 
 StrokeLayerChange renumbered(StrokeLayerChange change, std::span<const PointState> states,

@@ -127,4 +127,27 @@ TEST_CASE("a condition that is none, that holds for no point, or without a brush
   CHECK(says(refused("--lock \"x > 0\""), "requires a brush"));
 }
 
+TEST_CASE("the strokes of a path have the strength that is asked for, down to none") {
+  const ScratchFolder folder;
+  const Touched whole = touched(folder, ""), made = touched(folder, "--layer-strength 1"),
+                half = touched(folder, "--layer-strength 0.5"), none = touched(folder, "--layer-strength 0");
+  CHECK(made.after.positions == whole.after.positions);
+  CHECK(none.after.positions == none.before.positions);
+  std::size_t moved = 0, wrong = 0;
+  for (std::size_t i = 0; i < whole.before.size(); ++i) {
+    const DVec3 from(whole.before.positions[i]), to(whole.after.positions[i]);
+    wrong += !(glm::distance(DVec3(half.after.positions[i]), 0.5 * (from + to)) < 1e-5);
+    moved += from != to;
+  }
+  CHECK(moved > 10);
+  CHECK(wrong == 0);
+  const auto refused = [&](const std::string& options) {
+    const Outcome outcome = palpate("touch " + (folder / "ball.ply").string() + " --backend cpu " + options);
+    CHECK(outcome.code != 0);
+    return outcome.text;
+  };
+  CHECK(says(refused("--edit push --layer-strength 3"), "3 is not a number from -1 to 2"));
+  CHECK(says(refused("--layer-strength 1"), "requires a brush"));
+}
+
 }  // namespace palpate::touch_masks_test
