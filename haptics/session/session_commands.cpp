@@ -144,8 +144,8 @@ const LayerAttributes& Session::attributesFor(Action action, std::string_view wh
 void Session::change(AttributeChange change) {
   constexpr std::array<std::pair<Action, const char*>, std::variant_size_v<AttributeChange>> kActionOf{
       {{Action::select, "select"}, {Action::field, "field"}, {Action::field, "field"}, {Action::layer, "layer"}}};
-  const auto& [action, what] = kActionOf[change.index()];
-  const LayerAttributes& attributes = attributesFor(action, what);
+  const char* const what = kActionOf[change.index()].second;
+  const LayerAttributes& attributes = attributesFor(kActionOf[change.index()].first, what);
   between([&] {
     if (!attributes.fits(change)) throw Error("a recorded change of a {} does not fit; the session differs", what);
     auto* const layer = std::get_if<StrokeLayerChange>(&change);

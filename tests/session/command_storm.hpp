@@ -58,7 +58,7 @@ class RandomCommands {
     BrushConfig brush = session_.config().brush.value_or(BrushConfig{});
     SurfaceConfig surface = session_.config().surface;
     ForceOptions force = session_.config().force;
-    switch (std::uniform_int_distribution(0, 8)(random_)) {
+    switch (std::uniform_int_distribution(0, 10)(random_)) {
       case 0:
         brush.kind = std::array{BrushKind::push, BrushKind::carve, BrushKind::inflate, BrushKind::smooth,
                                 BrushKind::paint}[random_() % 5];
@@ -83,9 +83,11 @@ class RandomCommands {
       case 7:
         session_.undo(0, 1);
         return;
-      default:
+      case 8:
         session_.setFrames(Session::Frames::pause);
         return;
+      default:
+        return layer();
     }
   }
 
@@ -93,6 +95,17 @@ class RandomCommands {
   std::size_t count = 0;
 
  private:
+  // Makes a layer of strokes, opens one, or slides one.
+  void layer() {
+    const StrokeLayers& layers = session_.scene().layers[0].attributes.strokeLayers();
+    const std::size_t number = random_() % 3;
+    if (number >= layers.size())
+      return session_.setStrokeLayer(static_cast<std::uint32_t>(layers.size()), {.name = "layer"}, true);
+    StrokeLayer set = layers[number];
+    const bool opens = random_() % 3 == 0;
+    if (!opens) set.strength = between(0, 1.5);
+    session_.setStrokeLayer(static_cast<std::uint32_t>(number), std::move(set), opens, random_() % 2 == 0);
+  }
   double between(double a, double b) { return std::uniform_real_distribution(a, b)(random_); }
 
   Session& session_;
