@@ -1,4 +1,9 @@
 // Layers of strokes in the window: begun by key and button, slid by the panel and by a script, one drag an entry.
+#include <algorithm>
+#include <string>
+#include <tuple>
+#include <vector>
+
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/near.hpp"

@@ -1,5 +1,9 @@
 // Layers of strokes of a session that was cut off are recovered with their strokes, and so is what was undone.
+#include <algorithm>
+#include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "engine/io/cloud_formats.hpp"
 #include "tests/session/attributed_person.hpp"

@@ -3,6 +3,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "engine/core/clock.hpp"
 #include "engine/edit/stroke_layers.hpp"
