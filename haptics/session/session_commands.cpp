@@ -185,7 +185,8 @@ void Session::setLockWeights(std::span<const std::uint8_t> given) {
     if (given.size() < model().cloud.size() || given.size() > points)
       throw Error("lock: {} weights for {} points", given.size(), points);
     std::vector<std::uint8_t> weights(given.begin(), given.end());
-    while (weights.size() < points) weights.push_back(weights[states[weights.size()].parent]);
+    weights.resize(points);  // a point that was undone is its own parent
+    for (std::size_t point = given.size(); point < points; ++point) weights[point] = weights[states[point].parent];
     const bool hasField = attributes.hasLockField(model().cloud);
     PointSet locked, changed;
     std::vector<std::byte> values;

@@ -20,7 +20,7 @@ from conftest import ball_arrays, press_path
     (lambda s: s.push(press_path(1), strenght=1), "push(): there is no argument 'strenght'; did you mean strength?"),
     (lambda s: s.set_brush("push", radis=3), "set_brush(): there is no argument 'radis'; did you mean radius?"),
     (lambda s: s.stroke(press_path(1), "push", zzz=3), "stroke(): there is no argument 'zzz'; it takes path, kind, "
-     "radius_mm, yield_depth_mm, radius, yield_depth, push_rate, strength, falloff, resample, color"),
+     "radius_mm, yield_depth_mm, radius, yield_depth, push_rate, strength, falloff, resample, accumulate, color"),
     (lambda s: s.live(rat=3), "live(): there is no argument 'rat'; did you mean rate?"),
     (lambda s: s.render(siz=(9, 9)), "render(): there is no argument 'siz'; did you mean size?"),
     (lambda s: s.mesh(resoluton=9), "mesh(): there is no argument 'resoluton'; did you mean resolution?"),
