@@ -261,10 +261,8 @@ Stroke strokeFor(const EditScene& scene, const EditBenchOptions& options, const 
   trial.rate_Hz = kHighestRate_Hz;
   trial.duration_s = 0;
   const auto reaching = [&](double count, const EditBenchOptions& at) {
-    Stroke stroke = strokeThatReaches(static_cast<std::size_t>(std::max(1.0, count)), brush, scene.subject.model,
-                                      scene.places.front(), ticksPerSecond(at));
-    stroke.brush.symmetry = options.symmetry;
-    return stroke;
+    return strokeThatReaches(static_cast<std::size_t>(std::max(1.0, count)), brush, scene.subject.model,
+                             scene.places.front(), ticksPerSecond(at));
   };
   const auto wanted = static_cast<double>(touched);
   double count = wanted, best = wanted, leastOff = std::numeric_limits<double>::max();
@@ -298,7 +296,8 @@ Json benchEdit(Context& context, const EditBenchOptions& options) {
       }
       context.log().say("edit: {}, {} of {} points", subject.name, touched, points);
       for (const std::string& backend : options.backends) {
-        const Stroke stroke = strokeFor(scene, options, backend, touched);
+        Stroke stroke = strokeFor(scene, options, backend, touched);
+        stroke.brush.symmetry = options.symmetry;  // the same brush with and without
         for (const std::string& index : options.indexes) {
           costs.push_back(sculpt(scene, options, stroke, backend, index));
           costs.back().asked = touched;

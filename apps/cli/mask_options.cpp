@@ -43,8 +43,11 @@ void checkMaskOptions(const MaskConditions& masks, bool hasBrush) {
 }
 
 void setMasks(Context& context, const MaskConditions& masks, Session& session) {
-  if (masks.empty()) return;
   const Model& model = session.model();
+  if (const std::size_t locked = session.config().brush ? session.lockedByFile() : 0; locked > 0)
+    context.log().say("{} of {} locked, also in part, by the field {} of the file", locked,
+                      counted(model.cloud.size(), "point"), kLockField);
+  if (masks.empty()) return;
   CloudFields fields(model.cloud, {.mm_per_unit = model.scale.mm_per_unit, .threads = context.threads()});
   for (const MaskOption& mask : kMasks) {
     const std::string& condition = masks.where[static_cast<std::size_t>(mask.role)];

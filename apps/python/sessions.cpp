@@ -112,8 +112,8 @@ void bindTouch(py::class_<PySession>& session) {
           [](PySession& self, double radius_mm) { self.with([&](pp::Session& open) { open.softenLock(radius_mm); }); },
           py::arg("radius_mm"),
           "soften_lock(radius_mm)\n\n"
-          "Softens the rims of what is locked: each weight becomes the mean of the weights of the points nearer\n"
-          "than radius_mm, in the hand. undo() undoes it as a stroke.")
+          "Softens the rims of what is locked, outwards: each weight below 255 becomes the mean of the weights of\n"
+          "the points nearer than radius_mm, in the hand. undo() undoes it as a stroke.")
       .def(
           "remove_points",
           [](PySession& self, const py::array& mask) {

@@ -187,12 +187,12 @@ struct CopyText {
   std::string text;
 };
 
-using ViewCommand = std::variant<WindowCommand, ModelCommand, StylusCommand, BrushCommand, SelectCommand, Answer,
-                                 FileCommand, BrowseCommand, ModelSide, LookAlong, WalkCommand, NamedViewCommand,
-                                 MeasureCommand, SetParameter, SetValue, SelectVolume, SetVolume, FlipPlane,
-                                 MirrorAtPlane, MoveSelection, KeepSelection, SelectWhere, CleanModel, SetColorRange,
-                                 SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, TryExample, CopyText,
-                                 LayerCommand>;
+using ViewCommand =
+    std::variant<WindowCommand, ModelCommand, StylusCommand, BrushCommand, SelectCommand, Answer, FileCommand,
+                 BrowseCommand, ModelSide, LookAlong, WalkCommand, NamedViewCommand, MeasureCommand, SetParameter,
+                 SetValue, SelectVolume, SetVolume, FlipPlane, MirrorAtPlane, MoveSelection, KeepSelection, SelectWhere,
+                 CleanModel, SetColorRange, SetTrueLength, DeviceCommand, ChooseDevice, SetDeviceAxes, TryExample,
+                 CopyText, LayerCommand>;
 using ViewCommands = std::vector<ViewCommand>;
 
 /// Whether to save beside a file or over it.

@@ -76,7 +76,7 @@ std::span<const SelectButton> selectButtons() {
       {"Lock", SelectCommand::lock, kSelected, "Ctrl+M: brushes leave locked points as they are"},
       {"Unlock all", SelectCommand::unlockAll, kLocked, "Ctrl+Shift+M: no point is locked"},
       {"Invert lock", SelectCommand::invertLock, nullptr, "what is locked is free, and what is free is locked"},
-      {"Soften lock", SelectCommand::softenLock, kLocked, "widens the rim: brushes change its points in part"},
+      {"Soften lock", SelectCommand::softenLock, kLocked, "widens the rim outwards: brushes change its points in part"},
       {"Sharpen lock", SelectCommand::sharpenLock, kLocked, "makes the rim half as wide"},
       {"Delete", SelectCommand::remove, kSelected, "Delete: removes the selected points"},
       {"Only here", SelectCommand::within, kSelected, "brushes change only these points"},

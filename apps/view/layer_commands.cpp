@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "engine/core/error.hpp"
 
 namespace palpate {
@@ -13,10 +15,13 @@ std::string freeName(const StrokeLayers& layers) {
     if (std::string name = fmt::format("layer {}", k); !layers.named(name)) return name;
 }
 
+// Without a name the open layer, else the newest one.
 std::uint32_t numberOf(const StrokeLayers& layers, const std::string& name) {
-  const auto number = name.empty() ? layers.open() : layers.named(name);
+  std::optional<std::uint32_t> number = name.empty() ? layers.open() : layers.named(name);
+  for (auto k = static_cast<std::uint32_t>(layers.size()); name.empty() && !number && k-- > 0;)
+    if (!layers[k].isMerged) number = k;
   if (number) return *number;
-  throw Error(name.empty() ? "no layer of strokes is open: press L, then make strokes"
+  throw Error(name.empty() ? "no layer of strokes exists: press L, then make strokes"
                            : fmt::format("there is no layer of strokes named {}", name));
 }
 
@@ -63,8 +68,10 @@ std::string carryOut(const LayerCommand& command, WindowSession& session) {
       isOpen = false;
   }
   const std::string name = set.name;
+  const bool ends = layers.open() == number && !isOpen;
   session.setStrokeLayer(number, std::move(set), isOpen, command.what == What::slideFurther);
-  return command.what == What::merge ? fmt::format("{} is part of the model now", name) : "";
+  if (command.what == What::merge) return fmt::format("{} is part of the model now", name);
+  return ends ? fmt::format("strokes no longer go into {}", name) : "";
 }
 
 }  // namespace palpate

@@ -250,8 +250,7 @@ class Panels {
   Gui& gui_;
   ViewCommands commands_;  // posted in this frame
   std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{}, axes_{}, colorRange_{}, where_{}, selectionName_{},
-      volume_{}, way_{}, angles_{}, factor_{}, viewName_{}, distanceName_{},
-      layerName_{};
+      volume_{}, way_{}, angles_{}, factor_{}, viewName_{}, distanceName_{}, layerName_{};
   std::array<char, 128> searched_{};
   std::size_t found_ = 0;    // entry of the help that Enter carries out
   std::string_view opens_;   // section that is opened in this frame, and all others are closed; empty: none

@@ -37,6 +37,11 @@ void Panels::drawDistances(const ViewStatus& status) {
     ImGui::PopID();
   }
   if (status.measure->distances().empty()) return;
+  if (const MeasuredDistance* const distance = status.measure->chosen()) {
+    post(button("Forget"), MeasureCommand{What::forget, distance->name});
+    help("removes " + distance->name);
+    ImGui::SameLine();
+  }
   post(button("Save CSV"), WindowCommand::saveMeasures);
   help("writes all distances beside the model: names, coordinates of the file, lengths, heights");
 }
@@ -49,11 +54,8 @@ void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view) {
   if (const MeasuredDistance* const distance = status.measure->chosen(); distance && status.session) {
     const auto text = [&](double length) { return lengthText(length, status.unit); };
     const UpAxis up = view.upOf(status.session->model());
-    ImGui::TextUnformatted((distance->name + ": " + text(distance->length())).c_str());
-    ImGui::SameLine();
-    post(button("Forget"), MeasureCommand{MeasureCommand::What::forget, distance->name});
-    ImGui::TextUnformatted(
-        fmt::format("height {}, across {}", text(distance->height(up)), text(distance->across(up))).c_str());
+    ImGui::TextWrapped("%s: %s", distance->name.c_str(), text(distance->length()).c_str());
+    ImGui::TextWrapped("height %s, across %s", text(distance->height(up)).c_str(), text(distance->across(up)).c_str());
     help("of the second position over the first, along the up axis, and the rest of the way");
     const bool renamed = field("name", distanceName_);
     ImGui::SameLine();

@@ -176,7 +176,7 @@ std::string carryOut(SelectCommand command, WindowSession& session, const BrushS
       session.setLockWeights(inverted(session.session().lockWeights()));
       break;
     case SelectCommand::softenLock:
-      session.setLockWeights(blurred(points, session.session().lockWeights(), rim > 0 ? rim : kBlur * spacing));
+      session.setLockWeights(softened(points, session.session().lockWeights(), rim > 0 ? rim : kBlur * spacing));
       break;
     case SelectCommand::sharpenLock:
       session.setLockWeights(sharpened(session.session().lockWeights()));

@@ -34,6 +34,8 @@ std::vector<std::string> WindowReport::notices() {
     if (counts.hidden > 0)
       notices.push_back(counted(counts.hidden, "point is hidden", "points are hidden") +
                         " (S, then Shift+H shows all)");
+    if (counts.locked > 0)
+      notices.push_back(counted(counts.locked, "point is locked", "points are locked") + " (Ctrl+Shift+M unlocks all)");
   }
   if (!parts_.settings.forcesOn) notices.emplace_back("forces off (Backspace)");
   return notices;

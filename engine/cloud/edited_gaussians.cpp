@@ -34,7 +34,7 @@ GaussianOwner ownerIn(const PointTree& tree, const Vec3& center, double spacing)
 /// Of a few points around one, on the same side of the surface: the farthest, and the one with which it spans most.
 void addBeside(const PointCloud& file, const PointTree& tree, GaussianOwner& owner) {
   constexpr std::size_t kNeighbours = 8;
-  constexpr float kSameSide = 0.5f, kLeastSine = 0.2f;
+  constexpr float kSameSide = 0.5f, kMinSine = 0.2f;
   std::array<std::uint32_t, kNeighbours> near;
   std::array<double, kNeighbours> squared;
   const std::uint32_t point = owner.point;
@@ -48,7 +48,7 @@ void addBeside(const PointCloud& file, const PointTree& tree, GaussianOwner& own
     if (owner.beside == GaussianOwner::kNone) {
       owner.beside = near[k];
       first = way;
-      widest = kLeastSine * glm::dot(way, way);
+      widest = kMinSine * glm::dot(way, way);
     } else if (const float span = glm::length(glm::cross(first, way)); span > widest) {
       owner.across = near[k];
       widest = span;

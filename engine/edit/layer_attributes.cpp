@@ -73,7 +73,8 @@ bool LayerAttributes::isOfLock(const AttributeChange& change) const {
   if (const auto* const flip = std::get_if<MaskFlip>(&change))
     return flip->role == MaskRole::locked || flip->role == MaskRole::within;
   if (const auto* const made = std::get_if<FieldPresence>(&change)) return made->name == kLockField;
-  return fieldNamed(kLockField) == std::get<FieldChange>(change).field;
+  const auto* const field = std::get_if<FieldChange>(&change);
+  return field && fieldNamed(kLockField) == field->field;
 }
 
 std::optional<std::uint32_t> LayerAttributes::fieldNamed(std::string_view name) const {

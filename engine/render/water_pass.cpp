@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "engine/gpu/device.hpp"
@@ -14,7 +15,8 @@ namespace palpate {
 namespace {
 
 ComputePipeline waterPass(Device& device, const ShaderCode& code, std::vector<std::uint32_t> constants = {}) {
-  return {device, code, {.workgroupSize = 64, .pushBytes = sizeof(shared::WaterArgs), .constants = constants}};
+  return {
+      device, code, {.workgroupSize = 64, .pushBytes = sizeof(shared::WaterArgs), .constants = std::move(constants)}};
 }
 
 }  // namespace

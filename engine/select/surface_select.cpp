@@ -160,14 +160,14 @@ std::vector<std::uint8_t> withRim(std::span<const PointState> points, const Poin
   return weights;
 }
 
-std::vector<std::uint8_t> blurred(std::span<const PointState> points, std::span<const std::uint8_t> weights,
-                                  double radius, unsigned threads) {
+std::vector<std::uint8_t> softened(std::span<const PointState> points, std::span<const std::uint8_t> weights,
+                                   double radius, unsigned threads) {
   std::vector<std::uint8_t> next(weights.begin(), weights.end());
   if (!(radius > 0)) return next;
   const Cells cells = cellsOf(points, shownPoints(points, {}), radius, threads);
   parallelFor(points.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (points[i].gone) continue;
+      if (points[i].gone || weights[i] == PointLock::kWhole) continue;
       double sum = weights[i], total = 1;
       cells.forEachNear(points[i].position, [&](std::size_t other, double r) {
         if (other == i) return;

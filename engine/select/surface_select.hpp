@@ -34,9 +34,10 @@ PointBits connectedWith(std::span<const PointState> points, const PointBits& amo
 /// the farther they are, down to none.
 std::vector<std::uint8_t> withRim(std::span<const PointState> points, const PointBits& among, const PointBits& of,
                                   double width, unsigned threads = 0);
-/// Means of the weights of the existing points nearer than `radius`, which count less the farther they are.
-std::vector<std::uint8_t> blurred(std::span<const PointState> points, std::span<const std::uint8_t> weights,
-                                  double radius, unsigned threads = 0);
+/// Means of the weights of the existing points nearer than `radius`, which count less the farther they are. What is
+/// locked wholly stays so: rims become wider outwards.
+std::vector<std::uint8_t> softened(std::span<const PointState> points, std::span<const std::uint8_t> weights,
+                                   double radius, unsigned threads = 0);
 /// Twice as steep a rim, in the same place: repeated, all points are wholly locked or free.
 std::vector<std::uint8_t> sharpened(std::span<const std::uint8_t> weights);
 

@@ -89,7 +89,7 @@ void OpenSession::softenLock(double radius_mm) {
   else
     maskable(session_->model().cloud.size(), true);
   const std::span<const PointState> points = session_->history()->points();
-  session_->setLockWeights(blurred(points, session_->lockWeights(), session_->model().scale.toUnits(radius_mm)));
+  session_->setLockWeights(softened(points, session_->lockWeights(), session_->model().scale.toUnits(radius_mm)));
   if (!isLive()) finish();
 }
 

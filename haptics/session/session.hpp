@@ -228,6 +228,8 @@ class Session {
   /// points are wholly locked or free, and as the field kLockField from the first other weight on. Points behind the
   /// end of `weights` get those of their parents.
   std::vector<std::uint8_t> lockWeights() const;
+  /// Number of points that a field of the file locks, also in part.
+  std::size_t lockedByFile() const;
   void setLockWeights(std::span<const std::uint8_t> weights);
   /// Number of the field of that name. The first call makes it, of the file's property or with zeros, until undo();
   /// throws as setMask().

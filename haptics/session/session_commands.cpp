@@ -177,6 +177,13 @@ std::vector<std::uint8_t> Session::lockWeights() const {
   return attributesFor(Action::select, "lock").lockWeights(model().cloud, history()->points());
 }
 
+std::size_t Session::lockedByFile() const {
+  const LayerAttributes& attributes = scene_.layers[0].attributes;
+  if (!attributes.hasLockField(model().cloud)) return 0;
+  return static_cast<std::size_t>(std::ranges::count_if(
+      attributes.lockWeights(model().cloud, PointStates(model().cloud)), [](std::uint8_t own) { return own > 0; }));
+}
+
 void Session::setLockWeights(std::span<const std::uint8_t> given) {
   const LayerAttributes& attributes = attributesFor(Action::select, "lock");
   between([&] {

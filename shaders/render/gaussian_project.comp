@@ -53,7 +53,7 @@ float growthOf(vec3 a, vec3 aNow, vec3 b, vec3 bNow) {
   const float mean = (ratios.x + ratios.y + ratios.z) / 3;
   if (!all(lessThan(abs(ratios - mean), vec3(kGrownShape * mean)))) return 1;  // also where it is not a number
   const float growth = sqrt(mean);
-  return abs(growth - 1) > kLeastGrowth ? growth : 1;
+  return abs(growth - 1) > kMinGrowth ? growth : 1;
 }
 
 // The sum of the harmonics of degree 1 to 3 (engine/cloud/gaussian_harmonics.hpp).

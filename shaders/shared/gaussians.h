@@ -57,7 +57,7 @@ PALPATE_SIZE(Gaussian, 68);
 // Largest change of the squares of a triangle's sides against one another if it grows, and the least growth that counts
 // (GaussianEdit): a brush that bends a surface hardly scales it.
 const float kGrownShape = 2e-3f;
-const float kLeastGrowth = 0.01f;
+const float kMinGrowth = 0.01f;
 
 // In the picture, whose pixels have their centres at (x + 0.5, y + 0.5).
 struct ProjectedGaussian {

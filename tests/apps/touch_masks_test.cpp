@@ -87,7 +87,10 @@ TEST_CASE("around what is locked a soft rim moves in part, and a file that was s
   const std::string saved = (folder / "saved.ply").string(), again = (folder / "again.ply").string();
   const auto lock = std::ranges::find(soft.after.extra, "lock", &Attribute::name);
   REQUIRE(lock != soft.after.extra.end());
-  works("--quiet touch " + saved + " --backend cpu --edit push --brush-radius 10 --penetration 6 --save " + again);
+  const Outcome stated =
+      palpate("touch " + saved + " --backend cpu --edit push --brush-radius 10 --penetration 6 --save " + again);
+  CHECK(stated.code == 0);
+  CHECK(says(stated.text, "points locked, also in part, by the field lock of the file"));
   const PointCloud next = readCloud(again).cloud;
   std::size_t changed = 0, locked = 0;
   for (std::size_t i = 0; i < soft.after.size(); ++i) {

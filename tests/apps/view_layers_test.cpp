@@ -96,7 +96,10 @@ TEST_CASE(
 4.1 state %/merged.json
 4.2 layer 0.5 deep
 4.4 state %/none.json
-4.6 quit
+4.5 layer close
+4.6 layer 0.25
+4.7 state %/unnamed.json
+4.8 quit
 )");
   const Result slid = played->state("slid.json")["layers"];
   REQUIRE(slid.size() == 2);
@@ -109,6 +112,9 @@ TEST_CASE(
   CHECK(open.back()["open"] == false);
   CHECK(played->state("merged.json")["layers"].size() == 1);
   CHECK(says(played->state("none.json")["errors"].dump(), "no layer of strokes named deep"));
+  const Result unnamed = played->state("unnamed.json")["layers"];  // the newest that is left
+  CHECK(unnamed.front()["strength"] == 0.25);
+  CHECK(unnamed.front()["open"] == false);
 }
 
 }  // namespace palpate::view_layers_test

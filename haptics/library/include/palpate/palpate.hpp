@@ -264,21 +264,25 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   }
   /// Strokes become part of the layer of that name (pp_session_open_layer()), or with closeLayer() of none.
   void openLayer(const std::string& name) { check(pp_session_open_layer(handle(), name.c_str())); }
+  /// Strokes become part of no layer.
   void closeLayer() { check(pp_session_open_layer(handle(), nullptr)); }
   /// Gives its strokes another strength, from -1 to 2 (pp_session_slide_layer()).
   void slideLayer(const std::string& name, double strength, bool continues = false) {
     check(pp_session_slide_layer(handle(), name.c_str(), strength, continues));
   }
+  /// Hides a layer, or shows it again (pp_session_hide_layer()).
   void hideLayer(const std::string& name, bool hidden = true) {
     check(pp_session_hide_layer(handle(), name.c_str(), hidden));
   }
+  /// Makes a layer part of the model (pp_session_merge_layer()).
   void mergeLayer(const std::string& name) { check(pp_session_merge_layer(handle(), name.c_str())); }
   /// How it is set, and the number of points that its strokes have changed.
   struct Layer {
-    double strength = 0;
-    bool isHidden = false;
-    std::uint64_t points = 0;
+    double strength = 0;       ///< from -1 to 2
+    bool isHidden = false;     ///< as with strength 0
+    std::uint64_t points = 0;  ///< that its strokes have changed
   };
+  /// The layer of that name (pp_session_layer()).
   Layer layer(const std::string& name) {
     Layer layer;
     std::uint32_t hidden = 0;

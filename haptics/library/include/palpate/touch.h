@@ -137,9 +137,9 @@ PP_API pp_status pp_session_move_points(pp_session session, const uint8_t* mask,
                                         const double* rotation, double scale, const double* offset);
 /** Copies a mask: 1 for points in it, else 0. Order and errors as for pp_session_set_mask(). */
 PP_API pp_status pp_session_mask(pp_session session, pp_mask which, uint8_t* mask, uint64_t points);
-/** Softens the rims of what is locked: each weight (PP_MASK_LOCK_WEIGHTS) becomes the mean of the weights of the points
- * nearer than `radius_mm`, mm in the hand, which count less the farther they are. Undone as a stroke. Errors as for
- * pp_session_set_mask(), and PP_ERROR_ARGUMENT for a radius that is not positive. */
+/** Softens the rims of what is locked, outwards: each weight (PP_MASK_LOCK_WEIGHTS) below 255 becomes the mean of the
+ * weights of the points nearer than `radius_mm`, mm in the hand, which count less the farther they are. Undone as a
+ * stroke. Errors as for pp_session_set_mask(), and PP_ERROR_ARGUMENT for a radius that is not positive. */
 PP_API pp_status pp_session_soften_lock(pp_session session, double radius_mm);
 /** Makes a layer of strokes of that name, or opens one again at strength 1: all strokes become part of it, until
  * another one is opened, its strength slides, it is hidden or merged, or `name` is null, which ends that. The first
