@@ -8,7 +8,7 @@
 namespace palpate {
 
 std::uint64_t mergeEdits(EditBatch& edits) {
-  const std::vector<PointState> all = std::exchange(edits.points, {});
+  const BareVector<PointState> all = std::exchange(edits.points, {});
   std::vector<std::uint32_t> order;
   const auto keep = [&](std::size_t begin, std::size_t end) {
     order.resize(end - begin);

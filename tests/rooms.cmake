@@ -43,7 +43,7 @@ palpate_tests(select LINKS palpate::select palpate::io)
 palpate_tests(edit LINKS palpate::edit_host)
 # The cases of these run on the CPU here and on the GPU in tests_touch_gpu (touch/back_end.hpp).
 set(both_back_ends touch/accumulate_test.cpp touch/bad_input_test.cpp touch/hands_test.cpp touch/limbs_test.cpp
-    touch/locked_test.cpp touch/moving_test.cpp touch/offered_test.cpp touch/press_test.cpp touch/reload_test.cpp
+    touch/locked_test.cpp touch/moving_test.cpp touch/offered_test.cpp touch/press_test.cpp touch/replace_test.cpp
     touch/stream_test.cpp touch/thin_parts_test.cpp touch/trench_test.cpp)
 palpate_tests(touch LINKS palpate::touch_host WITH touch/cpu_back_end.cpp allocation_count.cpp)
 palpate_tests(mesh LINKS palpate::mesh_host)

@@ -89,7 +89,8 @@ std::vector<Operation> operationsOnGpu(Context& context) {
   return {{"vulkan: outliers: 8 neighbours",
            [=](const PointCloud& cloud) { return statisticalOutliers(cloud, 8, 1, threads, distances).count(); }},
           {"vulkan: normals, oriented on the CPU", normals},
-          {"vulkan: normals, not oriented", normals, [=] { return cost->planes_ms; }}};
+          {"vulkan: normals, not oriented", normals, [=] { return cost->planes_ms; }},
+          {"vulkan: normals, index and passes alone", normals, [=] { return cost->passes_ms; }}};
 }
 
 /// What a command does with half of the points of a session, in an order in which each changes something.

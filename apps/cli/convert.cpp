@@ -153,7 +153,13 @@ Json prepare(Context& context, const ConvertOptions& options, const CloudFormat&
                         to.name);
     if (prepared.numbers.size() < before) stored.triangles = chosenTriangles(stored.triangles, prepared.numbers);
   }
-  if (options.normals == "estimate") estimateNormals(cloud, 16, context.threads(), up);
+  if (options.normals == "estimate") {
+    constexpr std::size_t kFewest = 1 << 20;  // points for which opening a GPU is worth it
+    const bool onGpu = cloud.size() >= kFewest && context.hasRealGpu();
+    const NormalEstimator estimate =
+        onGpu ? estimateNormalsOn([&]() -> Device& { return context.device(); }) : estimateNormalsOnCpu;
+    context.log().say("{}: normals estimated: {}", options.input, estimate(cloud, context.threads(), up));
+  }
   const bool flips = options.normals == "flip";
   if ((flips || options.normals == "orient") && !cloud.hasNormals())
     throw Error("{}: has no normals to {}; use --normals estimate", options.input, options.normals);
@@ -298,8 +304,9 @@ void addConvert(Options& app, Context& context, Command& command) {
           "reported, and the others are converted")
       .typeName("FOLDER");
   sub.add("--normals", options->normals,
-          "keep: copy the normals of the file; estimate: estimate them from the points; face: from the "
-          "faces; orient: flip those of the file so that neighbours agree; flip: flip all")
+          "keep: copy the normals of the file; estimate: estimate them from the points, of a "
+          "million and more on a GPU; face: from the faces; orient: flip those of the file so that neighbours agree; "
+          "flip: flip all")
       .check(oneOf(namesOf(kNormalSources)))
       .showDefault();
   sub.heading("Select and clean, in this order");

@@ -14,7 +14,7 @@ namespace {
 // The points whose states or values in the field have changed, as they are now.
 std::vector<PointState> changedIn(const EditBatch& edited, std::optional<std::uint32_t> layer,
                                   std::span<const PointState> points) {
-  std::vector<PointState> changed = edited.points;
+  std::vector<PointState> changed(edited.points.begin(), edited.points.end());
   if (!layer) return changed;
   for (const AttributeChange& change : edited.attributes)
     if (const auto* const of = std::get_if<FieldChange>(&change); of && of->field == *layer)

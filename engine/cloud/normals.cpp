@@ -10,7 +10,7 @@
 #include "engine/cloud/eigen3_many.hpp"
 #include "engine/cloud/point_tree.hpp"
 #include "engine/core/check.hpp"
-#include "engine/core/parallel.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 namespace {
@@ -168,12 +168,12 @@ std::vector<Vec3> keepEdges(std::span<const Vec3> points, std::span<const Fitted
 
 void signNormals(std::span<const Vec3> points, std::span<const FittedPlane> planes, const NeighbourGraph& graph,
                  std::span<Vec3> normals, unsigned threads, UpAxis up) {
-  std::vector<Vec3> signedPlanes;
-  signedPlanes.reserve(planes.size());
-  for (const FittedPlane& plane : planes) signedPlanes.push_back(plane.normal);
+  auto signedPlanes = parallelMake(planes.size(), threads, [&](std::size_t i) { return planes[i].normal; });
   orientNormals(points, signedPlanes, graph, threads, up);
-  for (std::size_t i = 0; i < normals.size(); ++i)
-    if (glm::dot(normals[i], signedPlanes[i]) < 0) normals[i] = -normals[i];
+  parallelFor(normals.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (glm::dot(normals[i], signedPlanes[i]) < 0) normals[i] = -normals[i];
+  });
 }
 
 void estimateNormals(PointCloud& cloud, unsigned neighbours, unsigned threads, std::optional<UpAxis> up) {
@@ -186,12 +186,14 @@ void estimateNormals(PointCloud& cloud, unsigned neighbours, unsigned threads, s
   fitPlanes(tree, places.positions, tree.order(), neighbours, planes, graph, threads);
   std::vector<Vec3> normals = keptEdges(tree, places.positions, planes, threads);
   signNormals(places.positions, planes, graph, normals, threads, up ? *up : findUp(cloud).up);
-  spreadNormals(cloud, places, normals);
+  spreadNormals(cloud, places, normals, threads);
 }
 
-void spreadNormals(PointCloud& cloud, const Places& places, std::span<const Vec3> normals) {
+void spreadNormals(PointCloud& cloud, const Places& places, std::span<const Vec3> normals, unsigned threads) {
   cloud.normals.resize(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.normals[i] = normals[places.placeOf[i]];
+  parallelFor(cloud.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) cloud.normals[i] = normals[places.placeOf[i]];
+  });
 }
 
 void fillMissingNormals(PointCloud& cloud, std::span<const std::size_t> missing, std::string_view cloudName, Log* log,

@@ -46,7 +46,7 @@ void signNormals(std::span<const Vec3> points, std::span<const FittedPlane> plan
                  std::span<Vec3> normals, unsigned threads, UpAxis up);
 
 /// Gives each point the normal of its place in `places`.
-void spreadNormals(PointCloud& cloud, const Places& places, std::span<const Vec3> normals);
+void spreadNormals(PointCloud& cloud, const Places& places, std::span<const Vec3> normals, unsigned threads = 0);
 
 /// Gives the points in `missing` the normal of the nearest point that has one. If more than `mostMissing` of all points
 /// lack one, the cloud loses its normals instead. Reports this to `log` under the name `cloudName`.

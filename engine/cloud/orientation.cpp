@@ -8,7 +8,7 @@
 
 #include "engine/cloud/outward.hpp"
 #include "engine/core/bare_vector.hpp"
-#include "engine/core/parallel.hpp"
+#include "engine/core/parallel_collect.hpp"
 #include "engine/core/stop_checks.hpp"
 #include "engine/core/worker_team.hpp"
 
@@ -42,6 +42,9 @@ class SignGroups {
     return flipped_[i] != 0;
   }
   std::uint32_t sizeOf(std::uint32_t i) { return sizes_[root(i)]; }
+  std::uint32_t parent(std::uint32_t i) const { return parent_[i]; }
+  /// Against the parent; of a root false.
+  bool flipped(std::uint32_t i) const { return flipped_[i] != 0; }
   /// Joins the groups of `a` and `b` so that their signs differ if `differ` is set; does nothing if they are already
   /// joined.
   void join(std::uint32_t a, std::uint32_t b, bool differ) {
@@ -115,7 +118,46 @@ std::vector<float> reachesOf(std::span<const Vec3> points, const NeighbourGraph&
 using EdgeEnds = std::array<std::uint32_t, 2>;
 constexpr std::uint32_t kDiffer = 1u << 31;  // in the second end; clouds hold fewer points than that
 
-/// The edges of the graph, each once: the long ones last, by cost and then by their points.
+/// Of the edges that begin at some consecutive points, by their index there: the class, and whether the normals
+/// disagree; kNoEdge where there is none.
+using FoundEdges = std::span<std::uint16_t>;
+constexpr std::uint16_t kNoEdge = 0xffff, kDiffers = 0x8000;
+
+/// Leaves out the short edges among the points from `first` on that close a cycle of edges before them in the order of
+/// the list: no spanning tree has them. `counts`: of the edges by class.
+void leaveOutCycles(std::size_t first, const NeighbourGraph& graph, FoundEdges found,
+                    std::span<std::size_t, 2 * kClasses> counts) {
+  const std::size_t points = found.size() / graph.degree;
+  const auto otherEnd = [&](std::size_t at) { return graph.neighbours[first * graph.degree + at] - first; };
+  const auto isInside = [&](std::size_t at) {
+    return found[at] != kNoEdge && (found[at] & ~kDiffers) < kClasses && otherEnd(at) < points;
+  };
+  std::array<std::size_t, kClasses + 1> next{};
+  for (std::size_t at = 0; at < found.size(); ++at)
+    if (isInside(at)) ++next[(found[at] & ~kDiffers) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  BareVector<std::uint32_t> ordered(next.back());
+  for (std::size_t at = 0; at < found.size(); ++at)
+    if (isInside(at)) ordered[next[found[at] & ~kDiffers]++] = static_cast<std::uint32_t>(at);
+  std::vector<std::uint32_t> parent(points);
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root = [&](std::size_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return static_cast<std::uint32_t>(i);
+  };
+  for (const std::uint32_t at : ordered) {
+    const std::uint32_t a = root(at / graph.degree), b = root(otherEnd(at));
+    if (a != b) {
+      parent[b] = a;
+      continue;
+    }
+    --counts[found[at] & ~kDiffers];
+    found[at] = kNoEdge;
+  }
+}
+
+/// The edges of the graph, each once, but for those that no spanning tree has: the long ones last, by cost and then by
+/// their points.
 struct SortedEdges {
   BareVector<EdgeEnds> all;
   std::size_t firstLong = 0, firstSteep = 0;  ///< of the long ones that cost more than kSmooth
@@ -123,20 +165,20 @@ struct SortedEdges {
 
 SortedEdges edgesByCost(std::span<const Vec3> points, std::span<const Vec3> normals, const NeighbourGraph& graph,
                         std::span<const float> reaches, unsigned threads) {
-  constexpr std::size_t kChunk = 1 << 15;
-  constexpr std::uint16_t kNone = 0xffff, kDiffers = 0x8000;
-  const std::size_t chunks = (points.size() + kChunk - 1) / kChunk;
+  constexpr std::size_t kSmallest = 1 << 12, kLargest = 1 << 18;  // points
   WorkerTeam team(threads);
+  const std::size_t chunkSize = std::clamp(points.size() / (4 * team.size()), kSmallest, kLargest);
+  const std::size_t chunks = (points.size() + chunkSize - 1) / chunkSize;
   std::vector<std::array<std::size_t, 2 * kClasses>> next(chunks);  // counts, then the index of a chunk's next edge
   BareVector<std::uint16_t> found(graph.neighbours.size());         // class, and whether the normals disagree
   const auto forEachNeighbour = [&](std::size_t chunk, auto&& body) {
-    for (std::size_t i = chunk * kChunk; i < std::min(points.size(), (chunk + 1) * kChunk); ++i)
+    for (std::size_t i = chunk * chunkSize; i < std::min(points.size(), (chunk + 1) * chunkSize); ++i)
       for (std::size_t k = 0; k < graph.degree; ++k) body(i, graph.of(i)[k], found[i * graph.degree + k]);
   };
   team.forEach(chunks, [&](std::size_t chunk) {
     next[chunk].fill(0);
     forEachNeighbour(chunk, [&](std::size_t i, std::uint32_t j, std::uint16_t& own) {
-      own = kNone;
+      own = kNoEdge;
       if (j == NeighbourGraph::kNobody || j == i) return;
       const auto isKnown = [&] { return graph.hasEdge(j, static_cast<std::uint32_t>(i)); };
       if (j < i && isKnown()) return;  // seen from the other end
@@ -144,6 +186,9 @@ SortedEdges edgesByCost(std::span<const Vec3> points, std::span<const Vec3> norm
       ++next[chunk][edge.costClass];
       own = static_cast<std::uint16_t>(edge.costClass | (edge.differ ? kDiffers : 0));
     });
+    const std::size_t first = chunk * chunkSize, last = std::min(points.size(), first + chunkSize);
+    leaveOutCycles(first, graph, FoundEdges(found).subspan(first * graph.degree, (last - first) * graph.degree),
+                   next[chunk]);
   });
   std::size_t total = 0;
   for (std::size_t costClass = 0; costClass < 2 * kClasses; ++costClass)
@@ -153,7 +198,7 @@ SortedEdges edgesByCost(std::span<const Vec3> points, std::span<const Vec3> norm
   if (chunks > 0) sorted.firstLong = next[0][kClasses], sorted.firstSteep = next[0][kClasses + classOf(kSmooth)];
   team.forEach(chunks, [&](std::size_t chunk) {
     forEachNeighbour(chunk, [&](std::size_t i, std::uint32_t j, std::uint16_t own) {
-      if (own == kNone) return;
+      if (own == kNoEdge) return;
       const std::uint32_t differ = (own & kDiffers) != 0 ? kDiffer : 0;
       sorted.all[next[chunk][own & (kDiffers - 1)]++] = {static_cast<std::uint32_t>(i), j | differ};
     });
@@ -201,21 +246,24 @@ std::vector<std::uint8_t> turnsOf(std::span<const Vec3> points, std::span<const 
     checks();
     ++next[groups.root(i) + 1];
   }
+  // Now each point is its root, or a direct child of it.
+  const SignGroups& direct = groups;
   std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<std::uint32_t> members(count);
-  for (std::uint32_t i = 0; i < count; ++i) members[next[groups.root(i)]++] = i;
+  BareVector<std::uint32_t> members(count);
+  for (std::uint32_t i = 0; i < count; ++i) members[next[direct.parent(i)]++] = i;
   std::vector<std::uint8_t> turns(count);
-  std::vector<SurfacePoint> surface;
-  for (std::uint32_t begin = 0; begin < count; begin += static_cast<std::uint32_t>(surface.size())) {
-    const std::uint32_t end = next[groups.root(members[begin])];
-    surface.clear();
-    for (std::uint32_t n = begin; n < end; ++n) {
-      checks();
-      const std::uint32_t i = members[n];
-      surface.push_back({points[i], groups.isFlipped(i) ? -normals[i] : normals[i], reaches[i]});
-    }
-    const bool inwards = up ? facesInwards(surface, *up, threads) : topFacesDown(surface);
-    for (std::uint32_t n = begin; n < end; ++n) turns[members[n]] = inwards != groups.isFlipped(members[n]);
+  for (std::uint32_t begin = 0, end = 0; begin < count; begin = end) {
+    checks();
+    end = next[direct.parent(members[begin])];
+    const auto group = std::span(members).subspan(begin, end - begin);
+    auto surface = parallelMake(group.size(), threads, [&](std::size_t n) {
+      const std::uint32_t i = group[n];
+      return SurfacePoint{points[i], direct.flipped(i) ? -normals[i] : normals[i], reaches[i]};
+    });
+    const bool inwards = up ? facesInwards(std::move(surface), *up, threads) : topFacesDown(surface);
+    parallelFor(group.size(), threads, [&](std::size_t first, std::size_t last) {
+      for (const std::uint32_t i : group.subspan(first, last - first)) turns[i] = inwards != direct.flipped(i);
+    });
   }
   return turns;
 }
@@ -236,8 +284,10 @@ void orientNormals(std::span<const Vec3> points, std::span<Vec3> normals, const 
     if (k < edges.firstLong || groups.sizeOf(a) < kPart || groups.sizeOf(b) < kPart) groups.join(a, b, differ);
   }
   const std::vector<std::uint8_t> turns = turnsOf(points, normals, reaches, groups, up, threads);
-  for (std::size_t i = 0; i < normals.size(); ++i)
-    if (turns[i]) normals[i] = -normals[i];
+  parallelFor(normals.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (turns[i]) normals[i] = -normals[i];
+  });
 }
 
 }  // namespace palpate

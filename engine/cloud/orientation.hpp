@@ -6,9 +6,9 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "engine/cloud/up.hpp"
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/vec.hpp"
 
 namespace palpate {
@@ -18,7 +18,7 @@ struct NeighbourGraph {
   static constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
 
   std::size_t degree = 0;
-  std::vector<std::uint32_t> neighbours;  ///< `degree` for each point; kNobody where there are fewer
+  BareVector<std::uint32_t> neighbours;  ///< `degree` for each point; kNobody where there are fewer
 
   std::span<std::uint32_t> of(std::size_t i) { return {neighbours.data() + i * degree, degree}; }
   std::span<const std::uint32_t> of(std::size_t i) const { return {neighbours.data() + i * degree, degree}; }

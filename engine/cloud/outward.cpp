@@ -66,7 +66,7 @@ std::array<double, 2> seenAlong(int axis, std::span<const SurfacePoint> points, 
   return seen;
 }
 
-void dropSparse(std::vector<SurfacePoint>& surface) {
+void dropSparse(BareVector<SurfacePoint>& surface) {
   std::vector<float> reaches;
   reaches.reserve(surface.size());
   for (const SurfacePoint& point : surface) reaches.push_back(point.reach);
@@ -77,7 +77,7 @@ void dropSparse(std::vector<SurfacePoint>& surface) {
 
 }  // namespace
 
-bool facesInwards(std::vector<SurfacePoint> surface, UpAxis up, unsigned threads) {
+bool facesInwards(BareVector<SurfacePoint> surface, UpAxis up, unsigned threads) {
   if (surface.empty()) return false;
   dropSparse(surface);
   double reach = 0;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/cloud/up.hpp"
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/vec.hpp"
 
 namespace palpate {
@@ -20,6 +21,6 @@ struct SurfacePoint {
 /// a ceiling that is wider than it is high. If the votes balance, as for a wall, the surface faces frontOf(up); if it
 /// lies along that, too, the positive direction of the third axis. Points whose reach is more than three times the
 /// median do not vote. The result does not depend on `threads`.
-bool facesInwards(std::vector<SurfacePoint> surface, UpAxis up, unsigned threads);
+bool facesInwards(BareVector<SurfacePoint> surface, UpAxis up, unsigned threads);
 
 }  // namespace palpate

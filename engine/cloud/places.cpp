@@ -49,15 +49,16 @@ BareVector<Entry> sorted(std::span<const Vec3> points, unsigned threads) {
 Places distinctPlaces(std::span<const Vec3> points, unsigned threads) {
   PALPATE_CHECK_LT(points.size(), std::size_t{1} << 32);
   const BareVector<Entry> entries = sorted(points, threads);
-  Places places;
-  places.placeOf.resize(points.size());
-  StopChecks checks;
-  for (const Entry& entry : entries) {
-    checks();
-    if (places.positions.empty() || places.positions.back() != entry.position)
-      places.positions.push_back(entry.position);
-    places.placeOf[entry.point] = static_cast<std::uint32_t>(places.positions.size() - 1);
-  }
+  const auto runs = parallelRuns(entries.size(), threads,
+                                 [&](std::size_t i) { return entries[i].position == entries[i - 1].position; });
+  Places places{std::vector<Vec3>(runs.size() - 1), BareVector<std::uint32_t>(points.size())};
+  parallelFor(places.positions.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t place = begin; place < end; ++place) {
+      places.positions[place] = entries[runs[place]].position;
+      for (std::size_t i = runs[place]; i < runs[place + 1]; ++i)
+        places.placeOf[entries[i].point] = static_cast<std::uint32_t>(place);
+    }
+  });
   return places;
 }
 

@@ -6,13 +6,14 @@
 #include <span>
 #include <vector>
 
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/vec.hpp"
 
 namespace palpate {
 
 struct Places {
-  std::vector<Vec3> positions;         ///< distinct, ordered by x, y, z
-  std::vector<std::uint32_t> placeOf;  ///< for each point, the index of its position
+  std::vector<Vec3> positions;        ///< distinct, ordered by x, y, z
+  BareVector<std::uint32_t> placeOf;  ///< for each point, the index of its position
 };
 
 /// O(N log N). Fewer than 2^32 points. The result does not depend on `threads` (0: one per core).

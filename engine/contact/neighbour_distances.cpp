@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/cloud/spacing.hpp"
-#include "engine/core/parallel.hpp"
+#include "engine/core/parallel_collect.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/queue.hpp"
@@ -31,22 +31,24 @@ constexpr double kMaxScanned = 5e11, kScannedAtOnce = 2e9;
 /// The passes over one cloud.
 class DistancePasses {
  public:
-  DistancePasses(Device& device, const PointCloud& cloud, std::uint32_t neighbours)
+  DistancePasses(Device& device, const PointCloud& cloud, std::uint32_t neighbours, unsigned threads)
       : device_(device),
         neighbours_(neighbours),
+        threads_(threads),
         origin_(boundsOf(cloud).min),
-        live_(device, cloud),
+        live_(device, cloud.positions),
         distances_(Buffer::of<Vec2>(device, cloud.size(), Memory::device, "neighbour distances")),
         near_(device, shader_code::contact_neighbour_distances, {.pushBytes = sizeof(shared::NeighbourDistancesArgs)}),
         scan_(device, shader_code::contact_scan_distances,
               {.workgroupSize = shared::kScanWorkgroup, .pushBytes = sizeof(shared::ScanDistancesArgs)}),
-        values_(cloud.size(), Vec2(shared::kExamined, 0)) {}
+        values_(parallelMake(cloud.size(), threads, [](std::size_t) { return Vec2(shared::kExamined, 0); })) {}
 
-  const std::vector<Vec2>& values() const { return values_; }
+  const BareVector<Vec2>& values() const { return values_; }
 
   /// Examines the points of that value in a grid whose cells have that edge. Returns how many there were.
   std::size_t examine(float which, double edge) {
-    const auto count = static_cast<std::size_t>(std::ranges::count(values_, which, &Vec2::x));
+    const std::size_t count =
+        parallelCount(values_.size(), threads_, [&](std::size_t i) { return values_[i].x == which; });
     if (count == 0) return 0;
     rename(which, shared::kExamined);
     build(edge);
@@ -61,8 +63,10 @@ class DistancePasses {
   }
   /// Gives the points of a value another one.
   void rename(float from, float to) {
-    for (Vec2& value : values_)
-      if (value.x == from) value = Vec2(to, 0);
+    parallelFor(values_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      for (Vec2& value : std::span(values_).subspan(begin, end - begin))
+        if (value.x == from) value = Vec2(to, 0);
+    });
   }
   /// Scans all points for those that are left; false if that takes too long.
   bool scan() {
@@ -100,23 +104,24 @@ class DistancePasses {
     hash_->build(live_);
   }
   void run(const auto& record) {
-    upload(device_, distances_, values_);
+    uploadBytes(device_, device_.latencyQueue(), distances_, std::as_bytes(std::span(values_)));
     CommandList list(device_, device_.latencyQueue(), "neighbour distances");
     list.begin();
     record(list);
     list.end();
     device_.latencyQueue().run(list);
-    values_ = download<Vec2>(device_, distances_, values_.size());
+    downloadBytes(device_, device_.latencyQueue(), distances_, std::as_writable_bytes(std::span(values_)));
   }
 
   Device& device_;
   std::uint32_t neighbours_;
+  unsigned threads_;
   DVec3 origin_;
   LiveCloud live_;
   Buffer distances_;
   ComputePipeline near_, scan_;
   std::optional<SpatialHash> hash_;
-  std::vector<Vec2> values_;  // by number: sums of distances in two parts, or why there is none
+  BareVector<Vec2> values_;  // by number: sums of distances in two parts, or why there is none
 };
 
 // In double precision, by a scan of all points.
@@ -155,10 +160,7 @@ std::optional<std::vector<double>> neighbourDistances(Device& device, const Poin
   if (neighbours == 0 || neighbours > shared::kMaxNearest || cloud.size() <= neighbours) return std::nullopt;
   const double spacing = roughSpacing(cloud, threads);
   if (!(spacing > kSmallest && spacing < kLargest)) return std::nullopt;
-  PointCloud placed;
-  placed.positions = cloud.positions;
-  placed.normals.resize(cloud.size());
-  DistancePasses passes(device, placed, neighbours);
+  DistancePasses passes(device, cloud, neighbours, threads);
   const double edge = spacing * std::sqrt(std::max(1.0, kSurfaceShare * neighbours));
   passes.examine(shared::kExamined, edge);
   passes.rename(shared::kCrowded, shared::kWaiting);
@@ -174,9 +176,11 @@ std::optional<std::vector<double>> neighbourDistances(Device& device, const Poin
   passes.rename(shared::kWaiting, shared::kCrowded);
   goOn(shared::kCrowded, shared::kSparse, kFiner);
   if (!passes.scan()) return std::nullopt;
-  std::vector<double> means;
-  means.reserve(cloud.size());
-  for (const Vec2& sum : passes.values()) means.push_back((double{sum.x} + double{sum.y}) / neighbours);
+  std::vector<double> means(cloud.size());
+  parallelFor(means.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      means[i] = (double{passes.values()[i].x} + double{passes.values()[i].y}) / neighbours;
+  });
   if (!areExact(cloud.positions, means, neighbours, threads)) return std::nullopt;
   return means;
 }

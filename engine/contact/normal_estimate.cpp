@@ -3,6 +3,7 @@
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/parallel_collect.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/queue.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -19,35 +20,39 @@ constexpr unsigned kNearest = 16;  // points per plane fit on the host
 static_assert(shared::kNoNeighbour == NeighbourGraph::kNobody);
 
 struct Planes {
-  std::vector<FittedPlane> planes;  ///< zero normals for points that the GPU leaves to the host
-  std::vector<Vec3> normals;        ///< of the other points
+  BareVector<FittedPlane> planes;  ///< zero normals for points that the GPU leaves to the host
+  BareVector<Vec3> normals;        ///< of the other points
   NeighbourGraph graph;
 };
 
-Planes planesOnGpu(Device& device, const std::vector<Vec3>& positions, double radius) {
-  PointCloud cloud;
-  cloud.positions = positions;
-  cloud.normals.resize(positions.size());
-  LiveCloud live(device, cloud);
+template <class T>
+BareVector<T> downloaded(Device& device, const Buffer& from, std::uint64_t count) {
+  BareVector<T> values(count);
+  downloadBytes(device, device.latencyQueue(), from, std::as_writable_bytes(std::span(values)));
+  return values;
+}
+
+Planes planesOnGpu(Device& device, std::span<const Vec3> positions, double radius, unsigned threads,
+                   NormalEstimateCost& cost) {
+  LiveCloud live(device, positions);
   // In a large table few cells share a bucket: visiting points of other cells costs time, too.
-  SpatialHash hash(device, makeHashGrid(Vec3(boundsOf(cloud).min), radius, kRoomyTable * positions.size()),
-                   live.count());
-  hash.build(live);
+  SpatialHash hash(device, makeHashGrid(positions.front(), radius, kRoomyTable * positions.size()), live.count());
   const NormalEstimate estimate(device, live.count());
+  const Stopwatch watch;
+  hash.build(live);
   CommandList list(device, device.latencyQueue(), "estimate normals");
   list.begin();
   estimate.record(list, hash.view(live.front(), live.count()), radius);
   list.end();
   device.latencyQueue().run(list);
-  Planes result;
-  for (const Vec4& plane : download<Vec4>(device, estimate.planes(), live.count()))
-    result.planes.push_back({.normal = Vec3(plane)});
-  for (const Vec4& normal : download<Vec4>(device, estimate.normals(), live.count()))
-    result.normals.emplace_back(normal);
-  result.graph = {.degree = shared::kGraphSectors,
-                  .neighbours = download<std::uint32_t>(device, estimate.neighbours(),
-                                                        std::uint64_t{live.count()} * shared::kGraphSectors)};
-  return result;
+  cost.passes_ms = watch.elapsed_us() * 1e-3;
+  const auto planes = downloaded<Vec4>(device, estimate.planes(), live.count());
+  const auto normals = downloaded<Vec4>(device, estimate.normals(), live.count());
+  return {parallelMake(planes.size(), threads, [&](std::size_t i) { return FittedPlane{.normal = Vec3(planes[i])}; }),
+          parallelMake(normals.size(), threads, [&](std::size_t i) { return Vec3(normals[i]); }),
+          {.degree = shared::kGraphSectors,
+           .neighbours = downloaded<std::uint32_t>(device, estimate.neighbours(),
+                                                   std::uint64_t{live.count()} * shared::kGraphSectors)}};
 }
 
 }  // namespace
@@ -76,26 +81,28 @@ void NormalEstimate::record(CommandList& list, const shared::CloudView& cloud, d
   list.dispatch(name_, cloud.slots, args);
 }
 
-NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned threads) {
+NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned threads, std::optional<UpAxis> up) {
   const Stopwatch watch;
   NormalEstimateCost cost;
   const Places places = distinctPlaces(cloud.positions, threads);
-  const double spacing = meanSpacing(cloud, threads);
+  const double spacing = roughSpacing(cloud, threads);
   if (spacing <= 0) {  // fewer than two positions: no neighbourhood to visit
-    estimateNormals(cloud, kNearest, threads);
+    estimateNormals(cloud, kNearest, threads, up);
     cost.onHost = places.positions.size();
     return cost;
   }
-  Planes planes = planesOnGpu(device, places.positions, static_cast<double>(shared::kSupportSpacings) * spacing);
-  std::vector<std::uint32_t> left;
-  for (std::uint32_t i = 0; i < planes.planes.size(); ++i)
-    if (const Vec3& normal = planes.planes[i].normal; glm::dot(normal, normal) < 0.5f) left.push_back(i);
+  Planes planes =
+      planesOnGpu(device, places.positions, static_cast<double>(shared::kSupportSpacings) * spacing, threads, cost);
+  const auto left = parallelCollect(
+      planes.planes.size(), threads,
+      [&](std::size_t i) { return glm::dot(planes.planes[i].normal, planes.planes[i].normal) < 0.5f; },
+      [](std::size_t i) { return static_cast<std::uint32_t>(i); });
   fitNearestPlanes(places.positions, left, kNearest, planes.planes, planes.graph, threads);
   for (const std::uint32_t i : left) planes.normals[i] = planes.planes[i].normal;
   cost.onHost = left.size();
   cost.planes_ms = watch.elapsed_us() * 1e-3;
-  signNormals(places.positions, planes.planes, planes.graph, planes.normals, threads, findUp(cloud).up);
-  spreadNormals(cloud, places, planes.normals);
+  signNormals(places.positions, planes.planes, planes.graph, planes.normals, threads, up ? *up : findUp(cloud).up);
+  spreadNormals(cloud, places, planes.normals, threads);
   cost.signs_ms = watch.elapsed_us() * 1e-3 - cost.planes_ms;
   return cost;
 }

@@ -1,7 +1,10 @@
 // Normals on the GPU for clouds without normals.
 #pragma once
 
+#include <optional>
+
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/cloud/up.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "shaders/shared/spatial_hash.h"
 
@@ -31,7 +34,8 @@ class NormalEstimate {
 
 /// Breakdown of the cost of an estimate.
 struct NormalEstimateCost {
-  double planes_ms = 0;    ///< upload, index, GPU pass and download
+  double passes_ms = 0;    ///< index and passes on the GPU
+  double planes_ms = 0;    ///< distinct positions, spacing, upload, passes, download, and planes on the CPU
   double signs_ms = 0;     ///< on the CPU
   std::size_t onHost = 0;  ///< distinct points whose planes the CPU fitted: isolated, crowded, or on a line
 };
@@ -39,7 +43,9 @@ struct NormalEstimateCost {
 /// Gives every point of `cloud` a unit normal: planes from the GPU, over a support radius of kSupportSpacings; those it
 /// leaves, from the CPU (fitNearestPlanes()); signs on the CPU (orientNormals()), propagated from plane to plane.
 /// Coincident points count once. Agrees with estimateNormals() of engine/cloud except for the choice of neighbourhoods.
-/// Throws OutOfGpuMemory.
-NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned threads = 0);
+/// `up`: of the user; empty: findUp().
+/// Throws OutOfGpuMemory; then the cloud is as before.
+NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned threads = 0,
+                                   std::optional<UpAxis> up = {});
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/core/attribute_change.hpp"
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/point_state.hpp"
 
 namespace palpate {
@@ -31,7 +32,7 @@ struct EditMark {
 /// The states of one tick name each point once. States after the last mark belong to a stroke that continues in the
 /// next batch. A follower ignores the kinds of changes that it does not show, keep or send.
 struct EditBatch {
-  std::vector<PointState> points;
+  BareVector<PointState> points;
   std::vector<EditMark> marks;  ///< in order
   /// In order: one for each mark of its kind, and then what the batch's new points took from their parents.
   std::vector<AttributeChange> attributes;

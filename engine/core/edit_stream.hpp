@@ -67,13 +67,17 @@ class EditStream {
   virtual void hide(const PointSet& points, const PresentStates& /*present*/) {
     if (!points.empty()) throw Error("points cannot be hidden here");
   }
-  /// From now on the points exist that exist in `states`, by number, but for `without`; all are in these states, after
-  /// all edits were taken. Costs as much as loading them, however many appear or vanish. Otherwise as change(), but
-  /// take() reports nothing of it. False where that cannot be done.
-  virtual bool reload(std::span<const PointState> /*states*/, const PointSet& /*without*/) { return false; }
-  /// As change() of points that have vanished or reappeared, in nothing else changed: `states` are those of all points
-  /// by number, after that. False, and nothing has changed, where change() is sooner.
-  virtual bool changePresence(const PointSet& /*points*/, std::span<const PointState> /*states*/) { return false; }
+  /// From now on the points of `changed` are in their states of `states`, by number, where others are already; but
+  /// those of `without`, all of which vanish now or have before, cannot be felt. After all edits were taken, of points
+  /// that have existed. Costs a build of the index. Otherwise as change(), but take() reports nothing of it. False
+  /// where that cannot be done.
+  virtual bool replace(const PointSet& /*changed*/, std::span<const PointState> /*states*/,
+                       const PointSet& /*without*/) {
+    return false;
+  }
+  /// As change() of points that have existed, which may have vanished: `states` are those of all points by number,
+  /// after that. False, and nothing has changed, where change() is sooner.
+  virtual bool changeMany(const PointSet& /*points*/, std::span<const PointState> /*states*/) { return false; }
   /// Offers changes made elsewhere, at most mostOffered(), each point once. They are carried out between later answers,
   /// and no answer waits for them: a point that is not in its change's `from` state is unchanged. They do not end a
   /// stroke. take() reports their result once, with a mark of its own (EditMark::Kind::received). `changesFollowed`:

@@ -193,13 +193,20 @@ double CpuSculpture::lockOf(std::uint32_t point) const {
   return lockWeights_[point < lockWeights_.size() ? point : points_.parents[point]] / 255.0;
 }
 
-void CpuSculpture::reload(std::span<const PointState> states, const PointSet& without) {
-  constexpr std::size_t kBits = 64;
-  const std::vector<std::uint64_t> left = without.bits(points_.size());
+void CpuSculpture::replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without) {
   set({});
-  parallelFor(points_.size(), static_cast<unsigned>(grid_.threads()), [&](std::size_t begin, std::size_t end) {
+  const std::vector<PointSet::Word> words = changed.list();
+  parallelFor(words.size(), static_cast<unsigned>(grid_.threads()), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      points_.there[i] = i < states.size() && !states[i].gone && (left[i / kBits] >> i % kBits & 1) == 0;
+      words[i].forEach([&](std::uint64_t point, std::uint64_t) {
+        if (point >= std::min(states.size(), points_.size())) return;
+        points_.set(states[point]);
+        strains_[point] = displacements_[point] = 0;
+        isBlocked_[point] = Blocked::no;
+      });
+  });
+  without.forEach([&](std::uint64_t point) {
+    if (point < points_.size()) points_.there[point] = 0;
   });
   grid_.build(points_.positions, points_.there);
 }

@@ -79,8 +79,8 @@ class CpuSculpture {
   void receive(std::span<const PointChange> changes);
   /// As EditStream::lock(), while all points are settled.
   void lock(const PointLock& lock);
-  /// As EditStream::reload(); afterwards all are settled.
-  void reload(std::span<const PointState> states, const PointSet& without);
+  /// As EditStream::replace(); afterwards all are settled.
+  void replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without);
 
  private:
   // Work that fits into a tick, and points that it is enough for.

@@ -16,6 +16,7 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
       update_(device, device.latencyQueue(), hash, {.points = live.count(), .slots = live.slots()}),
       moves_(device, update_, hash.grid(), brush, radius),
       given_(device, update_),
+      many_(device),
       sequel_(device, update_, log, radius),
       tables_(Buffer::of<shared::PointTables>(device, 1, Memory::device, "point tables")),
       colors_(Buffer::of<std::uint32_t>(device, colors.empty() ? 0 : live.slots(), Memory::device, "live colors")),

@@ -10,6 +10,7 @@
 #include "engine/edit/edit_log.hpp"
 #include "engine/edit/edit_sequel.hpp"
 #include "engine/edit/given_changes.hpp"
+#include "engine/edit/many_changes.hpp"
 #include "engine/edit/resample.hpp"
 #include "engine/spatial/hash_update.hpp"
 #include "shaders/shared/edit.h"
@@ -57,6 +58,10 @@ class EditPass {
   void recordGivenIncremental(CommandList& list, const LiveCloud::Half& half, Given given) const;
   void recordGivenRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to, SortMethod sort,
                           Given given) const;
+  /// Carries out many at once (ManyChanges), without a check of their states. Waits.
+  void carryOut(const PointSet& changed, std::span<const PointState> states, const PointSet& without) const {
+    many_.carryOut(live_, tables_, changed, states, without);
+  }
   /// Drops the requests of the last edit.
   void recordForgetting(CommandList& list, const LiveCloud::Half& half) const;
   /// Only rebuilds: the points on `from` are stored without gaps on `to`.
@@ -124,6 +129,7 @@ class EditPass {
   HashUpdate update_;
   BrushMoves moves_;
   GivenChanges given_;
+  ManyChanges many_;
   EditSequel sequel_;
   Buffer tables_, colors_, parents_, founds_;
   std::optional<Buffer> locked_;       // since the first lock()

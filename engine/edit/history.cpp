@@ -39,10 +39,11 @@ struct Head {
   std::uint64_t slideBytes = 0;
 };
 
-template <class Item>
-std::vector<Item> itemsIn(std::span<const std::byte> bytes) {
+template <class Items>
+Items itemsIn(std::span<const std::byte> bytes) {
+  using Item = typename Items::value_type;
   static_assert(std::is_trivially_copyable_v<Item>);
-  std::vector<Item> items(bytes.size() / sizeof(Item));
+  Items items(bytes.size() / sizeof(Item));
   if (!items.empty()) std::memcpy(items.data(), bytes.data(), items.size() * sizeof(Item));
   return items;
 }
@@ -78,7 +79,8 @@ bool unpack(std::span<const std::byte> bytes, HistoryChange& change) {
   change = {.what = PointStroke(), .version = head.version};
   if (head.kind == 0) {
     if (head.slideBytes > content.size()) return false;
-    PointStroke stroke{.points = itemsIn<PointState>(content.subspan(head.slideBytes)), .received = head.received};
+    PointStroke stroke{.points = itemsIn<BareVector<PointState>>(content.subspan(head.slideBytes)),
+                       .received = head.received};
     if (head.layer > 0) stroke.layer = static_cast<std::uint32_t>(head.layer - 1);
     AttributeChange slide;
     if (head.slideBytes > 0) {
@@ -87,9 +89,9 @@ bool unpack(std::span<const std::byte> bytes, HistoryChange& change) {
     }
     change.what = std::move(stroke);
   } else if (head.kind == 1)
-    change.what = ShapeStroke{itemsIn<RestPlace>(content)};
+    change.what = ShapeStroke{itemsIn<std::vector<RestPlace>>(content)};
   else if (head.kind == 2) {
-    const auto words = itemsIn<std::uint64_t>(content);
+    const auto words = itemsIn<std::vector<std::uint64_t>>(content);
     std::span<const std::uint64_t> left = words;
     auto& presence = change.what.emplace<PresenceStroke>();
     presence.received = head.received;
@@ -278,25 +280,54 @@ bool History::isOthers(std::uint64_t point, std::uint64_t received) const {
   return at < lastReceived_.size() && lastReceived_[at] > received;
 }
 
-bool History::carryPresence(const PointSet& points, const std::function<bool(const PointSet&)>& carry) {
-  points_.flip(points);
+namespace {
+
+// Calls carry(), between exchange() and, if it fails, another one.
+bool carried(auto&& exchange, auto&& carry) {
+  exchange();
   bool isCarried = false;
   try {
-    isCarried = carry(points);
+    isCarried = carry();
   } catch (...) {
-    points_.flip(points);
+    exchange();
     throw;
   }
-  if (!isCarried) points_.flip(points);
+  if (!isCarried) exchange();
   return isCarried;
 }
 
-void History::changePresence(const PointSet& points, const std::function<void(const PointSet&)>& carry) {
+}  // namespace
+
+bool History::carryPresence(const PointSet& points, const CarryMany& carry) {
+  return carried([&] { points_.flip(points); },
+                 [&] { return carry(points, [&] { return presenceChanges(points, points_); }); });
+}
+
+bool History::carryStates(BareVector<PointState>& states, const CarryMany& carry) {
+  const PointSet points = PointSet::of(states, [](const PointState& state) { return state.number; });
+  const auto changes = [&] {
+    std::vector<PointChange> made;
+    made.reserve(states.size());
+    for (const PointState& from : states) made.push_back({.from = from, .to = points_[from.number]});
+    return made;
+  };
+  return carried([&] { points_.exchange(states); }, [&] { return carry(points, changes); });
+}
+
+void History::changePresence(const PointSet& points, const CarryMany& carry) {
   PALPATE_CHECK(!inStroke_);
   endsInSlide_ = false;
-  list_.make({PresenceStroke{.points = points, .received = received_}, version_}, [&](HistoryChange&) {
-    carryPresence(points, [&](const PointSet& changed) { return carry(changed), true; });
-  });
+  list_.make({PresenceStroke{.points = points, .received = received_}, version_},
+             [&](HistoryChange&) { carryPresence(points, carry); });
+  version_ = ++lastVersion_;
+  ++strokes_;
+}
+
+void History::changeMany(BareVector<PointState> states, const CarryMany& carry) {
+  PALPATE_CHECK(!inStroke_);
+  endsInSlide_ = false;
+  list_.make({PointStroke{.points = std::move(states), .received = received_}, version_},
+             [&](HistoryChange& made) { carryStates(std::get<PointStroke>(made.what).points, carry); });
   version_ = ++lastVersion_;
   ++strokes_;
 }
@@ -318,15 +349,20 @@ bool History::carryOut(PresenceStroke& stroke, const Carriers& carriers) {
     stroke.points.forEach([&](std::uint64_t point) {
       if (isOthers(point, stroke.received)) points.set(point, false);
     });
-  const auto byChanges = [&](const PointSet& changed) { return carriers.points(presenceChanges(changed, points_)); };
-  if (!points.empty() &&
-      !carryPresence(points, carriers.presence ? carriers.presence : std::function<bool(const PointSet&)>(byChanges)))
-    return false;
+  const auto byChanges = [&](const PointSet&, const MadeChanges& changes) { return carriers.points(changes()); };
+  if (!points.empty() && !carryPresence(points, carriers.many ? carriers.many : CarryMany(byChanges))) return false;
   stroke = {.points = std::move(points), .received = received_};
   return true;
 }
 
 bool History::carryOut(PointStroke& stroke, const Carriers& carriers) {
+  constexpr std::size_t kMany = 16;  // of so many points one
+  const bool isMany = stroke.points.size() > points_.size() / kMany;
+  if (carriers.many && isMany && !stroke.slide && lastReceived_.empty()) {
+    if (!carryStates(stroke.points, carriers.many)) return false;
+    if (layers_) followInLayer(stroke, true, carriers);
+    return true;
+  }
   std::vector<PointChange> changes;
   changes.reserve(stroke.points.size());
   for (const PointState& to : stroke.points) {

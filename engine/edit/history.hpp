@@ -15,7 +15,7 @@ namespace palpate {
 
 /// The points that a stroke touched, in the state on its other side: before it, or, once undone, after it.
 struct PointStroke {
-  std::vector<PointState> points;
+  BareVector<PointState> points;
   std::uint64_t received = 0;              ///< number of received batches when it was made, undone or redone last
   std::optional<std::uint32_t> layer;      ///< of strokes, that it is part of
   std::optional<StrokeLayerChange> slide;  ///< of a layer of strokes, that has moved the points: on the other side
@@ -65,7 +65,7 @@ class History {
   explicit History(PointStates points, const UndoBudget& budget = {});
 
   /// Takes in edits, in order. `hasLast`: the states of the last action that has some are here already, by
-  /// changePresence(), or by undo() or redo() of that.
+  /// changePresence() or changeMany(), or by undo() or redo() of many.
   void follow(const EditBatch& batch, bool hasLast = false);
   /// Takes in strokes of a body's shape.
   void follow(std::vector<ShapeStroke> strokes);
@@ -73,9 +73,15 @@ class History {
   /// that throws, nothing has changed.
   void make(AttributeChange change, const std::function<void(AttributeChange&)>& exchange);
 
+  /// Carries changes of these points out, which points() has already; `changes` makes them one by one. False, or an
+  /// exception: they are not carried out.
+  using MadeChanges = std::function<std::vector<PointChange>()>;
+  using CarryMany = std::function<bool(const PointSet& points, const MadeChanges& changes)>;
   /// Makes a stroke that removes existing points and restores others, between strokes: `carry` carries it out. If that
   /// throws, nothing has changed.
-  void changePresence(const PointSet& points, const std::function<void(const PointSet&)>& carry);
+  void changePresence(const PointSet& points, const CarryMany& carry);
+  /// Makes a stroke that brings many known points, each once, to these states, likewise.
+  void changeMany(BareVector<PointState> states, const CarryMany& carry);
 
   /// The changes of points by which a layer of strokes is set so, between strokes; those of points that do not
   /// exist before and after are left out, and are made by the stroke after beginSlide().
@@ -93,7 +99,7 @@ class History {
   /// before any other; or of a shape, a mask or a field, by exchange. False, or an exception: nothing has changed.
   struct Carriers {
     std::function<bool(std::span<const PointChange>)> points;
-    std::function<bool(const PointSet&)> presence = nullptr;  ///< of points that vanish or reappear; null: by `points`
+    CarryMany many = nullptr;  ///< of points that vanish or reappear, or of many others; null: by `points`
     std::function<bool(ShapeStroke&)> shape;
     std::function<bool(AttributeChange&)> attributes;
     /// Called once a stroke of a layer of strokes, or a slide, is undone or redone: how the layer is set now, and what
@@ -130,8 +136,10 @@ class History {
   // Whether these states are one whole stroke that removes or restores points; then it is kept.
   bool addPresence(std::span<const PointState> states);
   void endStroke();
-  // Calls carry(), with the points as after the change; if that fails, they are as before.
-  bool carryPresence(const PointSet& points, const std::function<bool(const PointSet&)>& carry);
+  // Calls carry(), with the points as after the change; if that fails, they are as before. The states of a stroke are
+  // exchanged with the present ones.
+  bool carryPresence(const PointSet& points, const CarryMany& carry);
+  bool carryStates(BareVector<PointState>& states, const CarryMany& carry);
   void keepBefore(std::uint64_t point);
   bool isInStroke(std::uint64_t point) const {
     const std::size_t at = points_.indexOf(point);

@@ -1,5 +1,7 @@
 #include "engine/edit/point_states.hpp"
 
+#include <utility>
+
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/parallel_collect.hpp"
 
@@ -21,6 +23,19 @@ void PointStates::flip(const PointSet& points) {
   };
   const std::size_t gone = parallelReduce(words.size(), 0, std::size_t{0}, flipIn, std::plus());
   present_ += points.count() - 2 * gone;
+}
+
+void PointStates::exchange(std::span<PointState> states) {
+  const auto exchangeIn = [&](std::size_t begin, std::size_t end) {
+    std::int64_t added = 0;
+    for (PointState& state : states.subspan(begin, end - begin)) {
+      PointState& point = states_[indexOf(state.number)];
+      added += int{point.gone} - int{state.gone};
+      std::swap(point, state);
+    }
+    return added;
+  };
+  present_ += static_cast<std::size_t>(parallelReduce(states.size(), 0, std::int64_t{0}, exchangeIn, std::plus()));
 }
 
 void PointStates::grow(std::uint64_t point) {

@@ -37,6 +37,9 @@ class PointStates {
   /// Points that existed vanish, and those that did not reappear, in nothing else changed. All are known.
   void flip(const PointSet& points);
 
+  /// Exchanges these states, each of another known point, with the present ones.
+  void exchange(std::span<PointState> states);
+
   /// A point that was never set does not exist (PointState::gone()).
   PointState operator[](std::uint64_t point) const {
     const std::size_t at = indexOf(point);

@@ -9,6 +9,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/packed_state.hpp"
+#include "engine/core/point_words.hpp"
 #include "engine/core/tool_shape.hpp"
 
 namespace palpate {
@@ -47,6 +48,20 @@ PointState stateAfter(const PointState& state, const PointsAction& action) {
     if (move->rotation != DQuat(1, 0, 0, 0)) after.normal = Vec3(move->rotation * DVec3(state.normal));
   }
   return after;
+}
+
+BareVector<PointState> statesAfter(const PointSet& points, const PointStates& present, const PointsAction& action) {
+  const PointWords changed = wordsWhere(points, [&](std::uint64_t point) {
+    const PointState state = present[point];
+    return !state.gone && stateAfter(state, action) != state;
+  });
+  BareVector<PointState> states(changed.points);
+  parallelFor(changed.words.size(), 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      changed.words[i].forEach(
+          [&](std::uint64_t point, std::uint64_t k) { states[k] = stateAfter(present[point], action); });
+  });
+  return states;
 }
 
 void validate(const PointsAction& action) {

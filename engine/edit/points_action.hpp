@@ -8,8 +8,10 @@
 #include <variant>
 #include <vector>
 
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/point_set.hpp"
 #include "engine/core/point_state.hpp"
+#include "engine/edit/point_states.hpp"
 
 namespace palpate {
 
@@ -38,6 +40,8 @@ using PointsAction = std::variant<RemovePoints, PaintPoints, MovePoints, SetPoin
 
 /// The state of an existing point after the action; of SetPoints that before.
 PointState stateAfter(const PointState& state, const PointsAction& action);
+/// Those of the existing points of the set that it changes, ascending.
+BareVector<PointState> statesAfter(const PointSet& points, const PointStates& present, const PointsAction& action);
 /// Throws UsageError for a rotation that is not unit, a scale that is not positive, and numbers that are not finite; of
 /// SetPoints nothing.
 void validate(const PointsAction& action);

@@ -5,7 +5,9 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <string>
 
+#include "engine/core/parallel.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/unified_memory.hpp"
@@ -14,13 +16,72 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint64_t kStagingBytes = 64ull << 20;
+constexpr std::uint64_t kStagingBytes = 32ull << 20;
+
+/// Two staging buffers, used alternately: the host works on one while the GPU copies to or from the other.
+class StagingPair {
+ public:
+  struct Stage {
+    explicit Stage(const StagingPair& pair)
+        : buffer(pair.device_, pair.bytes_, pair.memory_, "staging"), list(pair.device_, pair.queue_, pair.name_) {}
+    Buffer buffer;
+    CommandList list;
+    std::optional<Queue::Ticket> copying;
+  };
+
+  StagingPair(Device& device, Queue& queue, Memory memory, std::uint64_t bytes, const std::string& name)
+      : device_(device), queue_(queue), memory_(memory), bytes_(std::min(bytes, kStagingBytes)), name_(name) {}
+  ~StagingPair() {  // after an exception, before their memory is freed
+    try {
+      finish();
+    } catch (const DeviceLost&) {  // then the GPU no longer uses it
+    }
+  }
+  StagingPair(const StagingPair&) = delete;
+  StagingPair& operator=(const StagingPair&) = delete;
+
+  /// The one that has been used least recently, after its copy.
+  Stage& next() {
+    std::unique_ptr<Stage>& stage = stages_[number_++ % stages_.size()];
+    if (!stage) stage = std::make_unique<Stage>(*this);
+    if (stage->copying) queue_.wait(*stage->copying);
+    return *stage;
+  }
+  void finish() const {
+    for (const auto& stage : stages_)
+      if (stage && stage->copying) queue_.wait(*stage->copying);
+  }
+  void copy(Stage& stage, const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t fromOffset,
+            std::uint64_t toOffset) {
+    stage.list.begin();
+    stage.list.copy(from, to, bytes, fromOffset, toOffset);
+    stage.list.end();
+    stage.copying = queue_.submit(stage.list);
+  }
+
+ private:
+  Device& device_;
+  Queue& queue_;
+  Memory memory_;
+  std::uint64_t bytes_;
+  std::string name_;
+  std::array<std::unique_ptr<Stage>, 2> stages_;
+  std::size_t number_ = 0;
+};
 
 // Calls step(offset, bytes) for consecutive pieces.
 template <class Step>
 void inPieces(std::uint64_t total, Step&& step) {
   for (std::uint64_t offset = 0; offset < total; offset += kStagingBytes)
     step(offset, std::min(kStagingBytes, total - offset));
+}
+
+// With many threads, which also share the first access to the pages of `to`.
+void copyBytes(std::byte* to, const std::byte* from, std::uint64_t bytes) {
+  constexpr std::size_t kUnit = 1024;
+  parallelFor((bytes + kUnit - 1) / kUnit, 0, [&](std::size_t begin, std::size_t end) {
+    std::memcpy(to + begin * kUnit, from + begin * kUnit, std::min<std::uint64_t>(end * kUnit, bytes) - begin * kUnit);
+  });
 }
 
 }  // namespace
@@ -33,40 +94,18 @@ void uploadMade(Device& device, Queue& queue, const Buffer& to, std::uint64_t by
     inPieces(bytes, [&](std::uint64_t offset, std::uint64_t piece) { make(offset, there.subspan(offset, piece)); });
     return;
   }
-  struct Turn {
-    Turn(Device& device, Queue& queue, std::uint64_t bytes, const std::string& name)
-        : staging(device, bytes, Memory::staging, "staging"), list(device, queue, "upload " + name) {}
-    Buffer staging;
-    CommandList list;
-    std::optional<Queue::Ticket> copying;
-  };
-  std::array<std::unique_ptr<Turn>, 2> turns;
-  const auto waitForAll = [&] {
-    for (const std::unique_ptr<Turn>& turn : turns)
-      if (turn && turn->copying) queue.wait(*turn->copying);
-  };
-  std::size_t number = 0;
-  try {
-    inPieces(bytes, [&](std::uint64_t offset, std::uint64_t piece) {
-      std::unique_ptr<Turn>& turn = turns[number++ % turns.size()];
-      if (!turn) turn = std::make_unique<Turn>(device, queue, std::min(bytes, kStagingBytes), to.name());
-      if (turn->copying) queue.wait(*turn->copying);
-      make(offset, turn->staging.mapped<std::byte>().first(piece));
-      turn->list.begin();
-      turn->list.copy(turn->staging, to, piece, 0, offset);
-      turn->list.end();
-      turn->copying = queue.submit(turn->list);
-    });
-  } catch (...) {
-    waitForAll();  // before the staging memory is destroyed
-    throw;
-  }
-  waitForAll();
+  StagingPair staging(device, queue, Memory::staging, bytes, "upload " + to.name());
+  inPieces(bytes, [&](std::uint64_t offset, std::uint64_t piece) {
+    StagingPair::Stage& stage = staging.next();
+    make(offset, stage.buffer.mapped<std::byte>().first(piece));
+    staging.copy(stage, stage.buffer, to, piece, 0, offset);
+  });
+  staging.finish();
 }
 
 void uploadBytes(Device& device, Queue& queue, const Buffer& to, std::span<const std::byte> bytes) {
   uploadMade(device, queue, to, bytes.size(), [&](std::uint64_t offset, std::span<std::byte> piece) {
-    std::memcpy(piece.data(), bytes.data() + offset, piece.size());
+    copyBytes(piece.data(), bytes.data() + offset, piece.size());
   });
 }
 
@@ -77,15 +116,20 @@ void downloadBytes(Device& device, Queue& queue, const Buffer& from, std::span<s
     std::memcpy(bytes.data(), from.mapped<std::byte>().data() + offset, bytes.size());
     return;
   }
-  const Buffer staging(device, std::min<std::uint64_t>(bytes.size(), kStagingBytes), Memory::readback, "download");
-  CommandList list(device, queue, "download " + from.name());
+  StagingPair staging(device, queue, Memory::readback, bytes.size(), "download " + from.name());
+  const auto receive = [&](StagingPair::Stage& stage, std::uint64_t at, std::uint64_t piece) {
+    queue.wait(*stage.copying);
+    copyBytes(bytes.data() + at, stage.buffer.mapped<std::byte>().data(), piece);
+  };
+  StagingPair::Stage* last = nullptr;
+  std::uint64_t lastAt = 0;
   inPieces(bytes.size(), [&](std::uint64_t done, std::uint64_t piece) {
-    list.begin();
-    list.copy(from, staging, piece, offset + done, 0);
-    list.end();
-    queue.run(list);
-    std::memcpy(bytes.data() + done, staging.mapped<std::byte>().data(), piece);
+    StagingPair::Stage& stage = staging.next();
+    staging.copy(stage, from, stage.buffer, piece, offset + done, 0);
+    if (last) receive(*last, lastAt, kStagingBytes);
+    last = &stage, lastAt = done;
   });
+  receive(*last, lastAt, bytes.size() - lastAt);
 }
 
 Queue& latencyQueueOf(Device& device) { return device.latencyQueue(); }

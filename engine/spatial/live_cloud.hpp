@@ -33,10 +33,12 @@ class LiveCloud {
     std::uint32_t parity = 0;
   };
 
-  /// `cloud` must have normals. `spare`: empty slots after its points. `queue`: for the upload; the latency queue by
-  /// default. `colored`: its colours are stored beside the normals. Throws OutOfGpuMemory.
+  /// `cloud` must have normals. `spare`: empty slots after its points. `queue`: for the upload; the latency
+  /// queue by default. `colored`: its colours are stored beside the normals. Throws OutOfGpuMemory.
   LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spare = 0, Queue* queue = nullptr,
             bool colored = false);
+  /// Positions alone, for passes that read no normals.
+  LiveCloud(Device& device, std::span<const Vec3> positions);
 
   /// Number of points of the cloud as loaded.
   std::uint32_t count() const { return count_; }
@@ -53,13 +55,11 @@ class LiveCloud {
   /// Writes the points of a cloud, at most slots() of them, to memory of slots() slots, in the order of their ids, in
   /// the format of the first half. Waits for `queue`.
   void upload(Queue& queue, const PointCloud& cloud, const Half& half) const;
-  /// The same with the points that exist in `states`, by number, but for `without`.
-  void upload(Queue& queue, std::span<const PointState> states, const PointSet& without, const Half& half) const;
 
  private:
-  // By slot: whether there is a point, its position, and its normal with the bits of a colour.
-  template <class IsThere, class Position, class Normal>
-  void upload(Queue& queue, const Half& half, IsThere&& isThere, Position&& position, Normal&& normal) const;
+  // The values of all slots, by slot.
+  void put(Queue& queue, const Buffer& to, auto&& valueOf) const;
+  void uploadPositions(Queue& queue, std::span<const Vec3> positions, const Half& half) const;
 
   Device& device_;
   std::uint32_t count_, slots_;

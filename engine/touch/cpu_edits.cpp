@@ -189,8 +189,8 @@ void CpuEdits::change(std::span<const PointChange> changes, double time_s) {
   if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
 }
 
-void CpuEdits::reload(std::span<const PointState> states, const PointSet& without) {
-  sculpture_.reload(states, without);
+void CpuEdits::replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without) {
+  sculpture_.replace(changed, states, without);
   collect();
   ++changes_;
   ++version_;

@@ -66,8 +66,8 @@ class CpuEdits {
   /// As EditStream::change(), at `time_s`, while nothing is in progress. Throws Error.
   void change(std::span<const PointChange> changes, double time_s);
 
-  /// As EditStream::reload(), while nothing is in progress.
-  void reload(std::span<const PointState> states, const PointSet& without);
+  /// As EditStream::replace(), while nothing is in progress.
+  void replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without);
   /// As EditStream::lock(), while nothing is in progress.
   void lock(const PointLock& lock) { sculpture_.lock(lock); }
 

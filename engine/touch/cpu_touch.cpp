@@ -301,9 +301,9 @@ void CpuTouch::lock(const PointLock& lock) {
   edits_.lock(lock);
 }
 
-bool CpuTouch::reload(std::span<const PointState> states, const PointSet& without) {
+bool CpuTouch::replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without) {
   finish();
-  edits_.reload(states, without);
+  edits_.replace(changed, states, without);
   return true;
 }
 

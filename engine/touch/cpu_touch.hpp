@@ -85,7 +85,7 @@ class CpuTouch final : public TouchBackend, private EditStream, private SurfaceF
   }
   BlockedMoves blocked() const noexcept override { return edits_.blocked(); }
   void change(std::span<const PointChange> changes) override;
-  bool reload(std::span<const PointState> states, const PointSet& without) override;
+  bool replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without) override;
   void lock(const PointLock& lock) override;
   bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
     return edits_.offered().give(changes, changesFollowed);

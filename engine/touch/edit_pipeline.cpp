@@ -298,15 +298,16 @@ void EditPipeline::change(std::span<const PointChange> changes) {
   changes_ += log_.publishChange(logHead());
 }
 
-void EditPipeline::reload(std::span<const PointState> states, const PointSet& without) {
+void EditPipeline::replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without) {
   index_.mayBuild(false);
   const LiveCloud& cloud = index_.cloud();
-  CommandList list(device_, device_.latencyQueue(), "reload");
+  CommandList list(device_, device_.latencyQueue(), "forget");
   list.begin();
   pass_.recordForgetting(list, cloud.front());
   list.end();
   device_.latencyQueue().run(list);
-  cloud.upload(device_.latencyQueue(), states, without, cloud.front());
+  pass_.carryOut(changed, states, without);
+  index_.flip();
   compact();
   ++changes_;
 }

@@ -74,8 +74,8 @@ class EditPipeline {
   void finish();
   /// As EditStream::change(). Waits.
   void change(std::span<const PointChange> changes);
-  /// As EditStream::reload(). Waits.
-  void reload(std::span<const PointState> states, const PointSet& without);
+  /// As EditStream::replace(). Waits.
+  void replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without);
   /// As EditStream::lock(). While nothing is in progress.
   void lock(const PointLock& lock) { pass_.lock(lock); }
   /// As TouchBackend::readBack().

@@ -406,10 +406,10 @@ void TouchSide::change(std::span<const PointChange> changes) {
   bridge_->edited(hands_.front().probes.ownPose().time_s);
 }
 
-bool TouchSide::reload(std::span<const PointState> states, const PointSet& without) {
+bool TouchSide::replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without) {
   if (!edits_) return false;
   finish();
-  edits_->reload(states, without);
+  edits_->replace(changed, states, without);
   bridge_->edited(hands_.front().probes.ownPose().time_s);
   return true;
 }

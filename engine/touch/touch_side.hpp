@@ -120,7 +120,7 @@ class TouchSide final : public TouchBackend, private EditStream, private GpuPoin
   }
   BlockedMoves blocked() const noexcept override { return edits_ ? edits_->blocked() : BlockedMoves{}; }
   void change(std::span<const PointChange> changes) override;
-  bool reload(std::span<const PointState> states, const PointSet& without) override;
+  bool replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without) override;
   void lock(const PointLock& lock) override;
   bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
     return edits_ && edits_->offered().give(changes, changesFollowed);

@@ -201,15 +201,30 @@ void EditRelay::changePresence(const PointSet& points) {
     after.flip(points);
     return setPoints(presenceChanges(points, after));
   }
-  history_->changePresence(points, [this](const PointSet& changed) { carryPresence(changed); });
+  history_->changePresence(points, carryMany());
   endsInStroke_ = true;
   catchUp();
 }
 
-void EditRelay::carryPresence(const PointSet& points) {
-  const PointStates& states = history_->points();
-  if (options_.isPart || !edits_->changePresence(points, states)) edits_->change(presenceChanges(points, states));
-  isKnown_ = true;
+void EditRelay::changeMany(BareVector<PointState> states) {
+  catchUp();
+  if (attributes_.strokeLayers().open()) {
+    std::vector<PointChange> changes;
+    changes.reserve(states.size());
+    for (const PointState& to : states) changes.push_back({.from = history_->points()[to.number], .to = to});
+    return setPoints(changes);
+  }
+  history_->changeMany(std::move(states), carryMany());
+  endsInStroke_ = true;
+  catchUp();
+}
+
+History::CarryMany EditRelay::carryMany() {
+  return [this](const PointSet& points, const History::MadeChanges& changes) {
+    if (options_.isPart || !edits_->changeMany(points, history_->points())) edits_->change(changes());
+    isKnown_ = true;
+    return true;
+  };
 }
 
 // Undoes and redoes them all; where that fails, the followers learn how far it came.
@@ -254,11 +269,7 @@ History::Carriers EditRelay::carriers(const EditMark::Kind& kind) {
                 edits_->change(changes);
                 return true;
               },
-          .presence =
-              [this](const PointSet& points) {
-                carryPresence(points);
-                return true;
-              },
+          .many = carryMany(),
           .shape =
               [this](ShapeStroke& stroke) {
                 shape_->exchange(stroke);

@@ -75,6 +75,8 @@ class EditRelay {
   void setPoints(std::span<const PointChange> changes);
   /// Removes existing points and restores others, likewise.
   void changePresence(const PointSet& points);
+  /// As setPoints() of known points, many at once.
+  void changeMany(BareVector<PointState> states);
   /// Gives a layer of strokes another strength, likewise: one stroke, or more of the stroke before.
   void slide(StrokeLayerChange change);
   /// Undoes up to `undo` changes and redoes up to `redo` of them, between strokes, once all edits were taken. If one
@@ -92,7 +94,7 @@ class EditRelay {
   void applyLock();
   void applyHidden();
   void noteLayer(StrokeLayerChange change, EditMark::Kind kind);
-  void carryPresence(const PointSet& points);
+  History::CarryMany carryMany();
   // `kind`: of the marks; read while the carriers are used.
   History::Carriers carriers(const EditMark::Kind& kind);
   void markStroke();

@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kLarge = 1.0 / 16;  // of the points: from there on a reload is sooner than changes, or as soon
+constexpr double kLarge = 1.0 / 16;  // of the points: from there on a replacement is sooner than changes, or as soon
 
 bool isLarge(std::uint64_t changed, std::size_t points) {
   return static_cast<double>(changed) > kLarge * static_cast<double>(points);
@@ -41,7 +41,7 @@ void addStates(EditBatch& batch, std::size_t begin, EditMark::Kind kind, std::ve
 
 }  // namespace
 
-// Points that were hidden one by one appear so, since a picture that reads the log knows nothing of a reload.
+// Points that were hidden one by one appear so, since a picture that reads the log knows nothing of a replacement.
 void HidingTouch::hide(const PointSet& points, const PresentStates& present) {
   PALPATE_CHECK(changed_.empty() && received_.empty());
   present_ = present;
@@ -55,12 +55,12 @@ void HidingTouch::hide(const PointSet& points, const PresentStates& present) {
     if (!appear.empty()) flip(appear, states);
     logged_ = std::move(logged);
     hidden_.remove(appear);
-    if (stream().reload(states, points)) {
+    flipped.remove(appear);
+    if (stream().replace(flipped, states, points)) {
       ++hidings_;
       hidden_ = std::move(hidden);
       return;
     }
-    flipped.remove(appear);
     logged = logged_;
   }
   PointSet vanish = points;
@@ -108,9 +108,9 @@ void HidingTouch::change(std::span<const PointChange> changes) {
   changed_ = std::move(hidden);
 }
 
-bool HidingTouch::changePresence(const PointSet& points, std::span<const PointState> states) {
+bool HidingTouch::changeMany(const PointSet& points, std::span<const PointState> states) {
   const std::uint64_t count = points.count();
-  if (!isLarge(count, states.size()) || !stream().reload(states, hidden_)) return false;
+  if (!isLarge(count, states.size()) || !stream().replace(points, states, hidden_)) return false;
   stream().take(left_);
   const std::size_t before = left_.points.size();
   left_.points.resize(before + count);

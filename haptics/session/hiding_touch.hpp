@@ -29,7 +29,7 @@ class HidingTouch final : public TouchDecorator, private EditStream {
   void change(std::span<const PointChange> changes) override;
   void lock(const PointLock& lock) override { stream().lock(lock); }
   void hide(const PointSet& points, const PresentStates& present) override;
-  bool changePresence(const PointSet& points, std::span<const PointState> states) override;
+  bool changeMany(const PointSet& points, std::span<const PointState> states) override;
   bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override;
   std::size_t mostOffered() const override { return stream().mostOffered(); }
 

@@ -24,10 +24,10 @@
 
 namespace palpate {
 
-std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads) {
+std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads, std::optional<UpAxis> up) {
   constexpr std::size_t kNeighbours = 16;
   const Stopwatch watch;
-  estimateNormals(cloud, kNeighbours, threads);
+  estimateNormals(cloud, kNeighbours, threads, up);
   return fmt::format("{:.0f} ms on the CPU", watch.elapsed_us() * 1e-3);
 }
 
@@ -110,7 +110,7 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
   throwIfStopWanted();
   if (!cloud.hasNormals() || config.normals == NormalSource::estimate) {
     markNormalsAsEstimated(cloud, config.normals != NormalSource::estimate);
-    const std::string cost = loading.estimate(cloud, loading.threads);
+    const std::string cost = loading.estimate(cloud, loading.threads, {});
     if (!cloud.empty()) loading.log.say("{}: normals are estimated from the points: {}", config.file, cost);
     // One or two points define no plane: their discs face the default view.
     constexpr std::size_t kNoPlane = 2;

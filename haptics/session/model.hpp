@@ -114,10 +114,10 @@ struct Model {
   Bounds shownBounds() const { return shown ? *shown : boundsOf(cloud); }
 };
 
-/// Estimates normals of a cloud from its points. Returns a description of the cost.
-using NormalEstimator = std::function<std::string(PointCloud& cloud, unsigned threads)>;
+/// Estimates normals of a cloud from its points; `up`: of the user, or empty. Returns a description of the cost.
+using NormalEstimator = std::function<std::string(PointCloud& cloud, unsigned threads, std::optional<UpAxis> up)>;
 /// The same on the CPU.
-std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads);
+std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads, std::optional<UpAxis> up);
 
 /// A joined session.
 struct JoinedModel {

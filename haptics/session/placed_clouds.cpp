@@ -19,7 +19,7 @@ NumberRows rowsOf(const std::vector<Element>& rows, ScalarType type) {
 std::vector<Vec3> normalsOf(const PointCloud& cloud, NormalSource source, const ModelLoading& loading) {
   if (cloud.hasNormals() && source != NormalSource::estimate) return cloud.normals;
   PointCloud copy{.origin = cloud.origin, .positions = cloud.positions};
-  const std::string cost = loading.estimate(copy, loading.threads);
+  const std::string cost = loading.estimate(copy, loading.threads, {});
   loading.log.say("a cloud of {}: normals are estimated from the points: {}", counted(copy.size(), "point"), cost);
   return copy.normals;
 }

@@ -16,6 +16,10 @@ namespace palpate {
 
 namespace {
 
+void requireFinite(std::string_view name, const PointState& state) {
+  if (!isFinite(state.position)) throw Error("{}: point {} would be infinitely far away", name, state.number);
+}
+
 std::size_t countIn(const std::string& content) {
   std::size_t count = 0;
   std::from_chars(content.data(), content.data() + content.size(), count);
@@ -307,24 +311,23 @@ void Session::changePoints(const PointSet& points, const PointsAction& action) {
       relay_.changePresence(there);
       return note();
     }
+    const auto* const set = std::get_if<SetPoints>(&action);
+    if (!set) {
+      BareVector<PointState> after = statesAfter(points, present, action);
+      for (const PointState& to : after) requireFinite(name, to);
+      if (after.empty()) return;
+      relay_.changeMany(std::move(after));
+      return note();
+    }
     std::vector<PointChange> changes;
-    const auto add = [&](const PointState& from, const PointState& to) {
-      if (!isFinite(to.position)) throw Error("{}: point {} would be infinitely far away", name, to.number);
-      if (from != to) changes.push_back({.from = from, .to = to});
-    };
-    if (const auto* const set = std::get_if<SetPoints>(&action)) {
-      std::uint64_t next = present.size();
-      for (const PointState& to : set->states) {
-        if (to.number > next || to.parent >= present.size())
-          throw Error("{}: the model has {} points, and no point {}", name, present.size(),
-                      to.number > next ? to.number : to.parent);
-        if (to.number == next) require(Action::insertPoints, name), ++next;
-        add(present[to.number], to);
-      }
-    } else {
-      points.forEach([&](std::uint64_t point) {
-        if (const PointState from = present[point]; !from.gone) add(from, stateAfter(from, action));
-      });
+    std::uint64_t next = present.size();
+    for (const PointState& to : set->states) {
+      if (to.number > next || to.parent >= present.size())
+        throw Error("{}: the model has {} points, and no point {}", name, present.size(),
+                    to.number > next ? to.number : to.parent);
+      if (to.number == next) require(Action::insertPoints, name), ++next;
+      requireFinite(name, to);
+      if (const PointState from = present[to.number]; from != to) changes.push_back({.from = from, .to = to});
     }
     if (changes.empty()) return;
     relay_.setPoints(changes);

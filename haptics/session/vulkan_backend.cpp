@@ -99,11 +99,15 @@ HashGrid gridFor(const Model& model, const IndexConfig& config, double radius) {
 }
 
 NormalEstimator estimateNormalsOn(std::function<Device&()> device) {
-  return [device = std::move(device)](PointCloud& cloud, unsigned threads) {
-    if (device().isCpu()) return estimateNormalsOnCpu(cloud, threads);
-    const NormalEstimateCost cost = estimateNormals(device(), cloud, threads);
-    return fmt::format("planes {:.0f} ms on {}, signs {:.0f} ms on the CPU", cost.planes_ms, device().name(),
-                       cost.signs_ms);
+  return [device = std::move(device)](PointCloud& cloud, unsigned threads, std::optional<UpAxis> up) {
+    if (device().isCpu()) return estimateNormalsOnCpu(cloud, threads, up);
+    try {
+      const NormalEstimateCost cost = estimateNormals(device(), cloud, threads, up);
+      return fmt::format("planes {:.0f} ms on {}, signs {:.0f} ms on the CPU", cost.planes_ms, device().name(),
+                         cost.signs_ms);
+    } catch (const OutOfGpuMemory&) {
+      return estimateNormalsOnCpu(cloud, threads, up);
+    }
   };
 }
 

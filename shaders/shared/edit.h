@@ -195,6 +195,19 @@ const uint kRestoreOffered = 2;
 // In the id of `from`: the change was dropped.
 const uint kChangeLeftOut = 0xffffffffu;
 
+struct PlacePointsArgs {
+  PALPATE_ADDRESS(Vec4s) positionsIn;  // of a half of the cloud, or as there, of given points
+  PALPATE_ADDRESS(Vec4s) normalsIn;
+  PALPATE_ADDRESS(Uints) colorsIn;      // of given points; null: of a half of the cloud
+  PALPATE_ADDRESS(Vec4s) positionsOut;  // by id
+  PALPATE_ADDRESS(Vec4s) normalsOut;
+  PALPATE_ADDRESS(Uints) changed;  // a bit for each id, the first one in the lowest bit
+  PALPATE_ADDRESS(Tables) tables;
+  uint count;
+  uint unused;
+};
+PALPATE_SIZE(PlacePointsArgs, 64);
+
 struct RestoreArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;

@@ -103,7 +103,7 @@ TEST_CASE("edges between planes are kept, and smooth surfaces are unchanged") {
   for (const char* shape : {"cube", "bumpy-sphere"}) {
     const PointCloud cloud = sampleShape(*makeShape(shape), {.count = 20'000});
     std::vector<FittedPlane> planes(cloud.size());
-    NeighbourGraph graph{.degree = 16, .neighbours = std::vector<std::uint32_t>(16 * cloud.size())};
+    NeighbourGraph graph{.degree = 16, .neighbours = BareVector<std::uint32_t>(16 * cloud.size())};
     std::vector<std::uint32_t> all(cloud.size());
     std::iota(all.begin(), all.end(), 0u);
     fitNearestPlanes(cloud.positions, all, 16, planes, graph);

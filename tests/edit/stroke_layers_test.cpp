@@ -96,7 +96,7 @@ struct Sculptor {
   // Where a point is that does not exist concerns the history alone.
   static bool isSame(const PointState& a, const PointState& b) { return (a.gone && b.gone) || isSameToTheBit(a, b); }
   void follow(const std::vector<PointState>& states, EditMark::Kind kind) {
-    EditBatch batch{.points = states, .marks = {{states.size(), kind}}};
+    EditBatch batch{.points = {states.begin(), states.end()}, .marks = {{states.size(), kind}}};
     history.follow(batch);
   }
   void set(const std::vector<PointState>& states) {

@@ -1,4 +1,4 @@
-// How points are hidden: few by changes, many by a reload, and each appears as it vanished.
+// How points are hidden: few by changes, many by a replacement, and each appears as it vanished.
 #include "haptics/session/hiding_touch.hpp"
 
 #include <doctest/doctest.h>
@@ -18,12 +18,12 @@ namespace {
 /// A stream of edits without a back end: what exists in it, and what a reader of its log sees.
 class Points final : public TouchDecorator, private EditStream {
  public:
-  explicit Points(std::size_t points, bool reloads)
-      : TouchDecorator(nullptr), exists(points, true), seen(points, true), reloads_(reloads) {}
+  explicit Points(std::size_t points, bool replaces)
+      : TouchDecorator(nullptr), exists(points, true), seen(points, true), replaces_(replaces) {}
   EditStream* edits() noexcept override { return this; }
 
   std::vector<bool> exists, seen;
-  std::size_t changed = 0, reloaded = 0, wrong = 0;
+  std::size_t changed = 0, replaced = 0, wrong = 0;
 
  private:
   void keep() override {}
@@ -42,25 +42,25 @@ class Points final : public TouchDecorator, private EditStream {
     }
     changed += changes.size();
   }
-  bool reload(std::span<const PointState> states, const PointSet& without) override {
-    if (!reloads_) return false;
-    for (std::size_t i = 0; i < states.size(); ++i) exists[i] = !states[i].gone && !without.test(i);
-    ++reloaded;
+  bool replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without) override {
+    if (!replaces_) return false;
+    changed.forEach([&](std::uint64_t i) { exists[i] = !states[i].gone && !without.test(i); });
+    ++replaced;
     return true;
   }
   bool offer(std::span<const PointChange>, std::uint64_t) override { return false; }
   std::size_t mostOffered() const override { return 0; }
 
   std::vector<PointState> last_;
-  bool reloads_;
+  bool replaces_;
 };
 
 }  // namespace
 
 TEST_CASE("whatever is hidden and shown, exactly the shown points exist, and a reader of the log misses none of them") {
   constexpr std::size_t kCount = 2'000;
-  for (const bool reloads : {true, false}) {
-    auto made = std::make_unique<Points>(kCount, reloads);
+  for (const bool replaces : {true, false}) {
+    auto made = std::make_unique<Points>(kCount, replaces);
     Points& points = *made;
     HidingTouch hiding(std::move(made));
     std::vector<PointState> states;
@@ -89,7 +89,7 @@ TEST_CASE("whatever is hidden and shown, exactly the shown points exist, and a r
     }
     CHECK(points.wrong == 0);
     CHECK(points.changed > 100);
-    CHECK((points.reloaded > 10) == reloads);
+    CHECK((points.replaced > 10) == replaces);
   }
 }
 
@@ -107,7 +107,7 @@ TEST_CASE("points that vanish and reappear at once are reported as by changes, a
   const std::uint64_t reported = edits.progress().states;
   const auto flip = [&](const PointSet& flipped) {
     flipped.forEach([&](std::uint64_t point) { states[point].gone = !states[point].gone; });
-    return edits.changePresence(flipped, states);
+    return edits.changeMany(flipped, states);
   };
   // Few are left to change().
   CHECK_FALSE(flip(PointSet::range(0, 20)));

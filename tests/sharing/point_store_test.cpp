@@ -260,7 +260,7 @@ TEST_CASE("a point that others have removed or restored is reported to the histo
   shows({made}, {4});
   EditBatch batch;
   source.takeEdits(batch);
-  CHECK(batch.points == std::vector<PointState>{one, made});
+  CHECK(batch.points == BareVector<PointState>{one, made});
   batch.clear();
   shows({}, {});
   source.takeEdits(batch);

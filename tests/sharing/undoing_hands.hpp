@@ -120,7 +120,8 @@ class WholeHand final : public UndoingHand {
     pass(edits_.edit(statesOf(changes)));
   }
   void change(std::span<const PointChange> changes) override {
-    EditBatch batch{.points = statesOf(changes), .marks = {}};
+    const auto states = statesOf(changes);
+    EditBatch batch{.points = {states.begin(), states.end()}, .marks = {}};
     batch.marks.push_back({batch.points.size(), EditMark::Kind::change});
     follower_->catchUp(batch);
   }

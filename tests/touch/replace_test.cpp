@@ -5,7 +5,7 @@
 #include "tests/scenes.hpp"
 #include "tests/touch/back_end.hpp"
 
-namespace palpate::reload_test {
+namespace palpate::replace_test {
 
 namespace {
 
@@ -68,6 +68,7 @@ void checkHas(const TouchBackend& touch, const PointCloud& cloud, std::span<cons
   const PointCloud expected = editedCloud(cloud, states);
   CHECK(present.positions == expected.positions);
   CHECK(present.normals == expected.normals);
+  CHECK(present.colors == expected.colors);
 }
 
 }  // namespace
@@ -82,7 +83,7 @@ TEST_CASE_FIXTURE(OnBackEndInCore,
   const std::vector<PointState> dented(hand.states().begin(), hand.states().end());
   REQUIRE(dented.size() > scene.cloud.size());  // the stroke has inserted points
   PointSet top = above(dented, 20);
-  REQUIRE(touch->edits()->reload(dented, top));
+  REQUIRE(touch->edits()->replace(top, dented, top));
   CHECK(hand.follow() == 0);  // nothing of it is reported
   CHECK(hand.press(1) == 0);
   CHECK(hand.press(-1) > 0.2);  // the bottom is there, and yields
@@ -93,7 +94,7 @@ TEST_CASE_FIXTURE(OnBackEndInCore,
   for (PointState& state : now) state.gone |= top.test(state.number);
   checkHas(*touch, scene.cloud, now);
   // Points that a stroke has inserted meanwhile are not in the set.
-  REQUIRE(touch->edits()->reload(hand.states(), {}));
+  REQUIRE(touch->edits()->replace(top, hand.states(), {}));
   checkHas(*touch, scene.cloud, hand.states());
   CHECK(hand.press(1) > 0.2);
   while (hand.undo()) hand.follow();
@@ -103,27 +104,38 @@ TEST_CASE_FIXTURE(OnBackEndInCore,
   CHECK(changed == 0);
 }
 
-TEST_CASE_FIXTURE(OnBackEndInCore, "a reload of all, of none and of single points, at sizes beside powers of two") {
+TEST_CASE_FIXTURE(OnBackEndInCore, "all points and single ones are replaced at once, at sizes beside powers of two") {
   for (const std::size_t count : {1U, 63U, 64U, 65U, 1000U}) {
     CAPTURE(count);
-    const Scene scene = makeScene("sphere", count);
-    const auto touch = make(scene.cloud, {.radius = 6, .brush = BrushOptions{.yieldDepth = 0.3, .radius = 8}});
+    Scene scene = makeScene("sphere", count);
+    scene.cloud.colors.assign(count, {90, 80, 70});
+    const BrushOptions brush{.yieldDepth = 0.3, .radius = 8};
+    const auto touch = make(scene.cloud, {.radius = 6, .brush = brush, .paintable = true});
     touch->edits()->keep();
     std::vector<PointState> states = statesOf(scene.cloud);
     const PointSet all = PointSet::range(0, count);
-    REQUIRE(touch->edits()->reload(states, all));
+    REQUIRE(touch->edits()->replace(all, states, all));
     CHECK_FALSE(touch->query({.time_s = 0.001, .hip = {0, 0, 49}}, 0).touching);
     PointSet last;
     last.set(count - 1);
-    REQUIRE(touch->edits()->reload(states, last));
+    REQUIRE(touch->edits()->replace(all, states, last));
     if (count > 1) {
       states.back().gone = true;
       checkHas(*touch, scene.cloud, states);
       states.back().gone = false;
     }
-    REQUIRE(touch->edits()->reload(states, {}));
+    REQUIRE(touch->edits()->replace(last, states, {}));
     checkHas(*touch, scene.cloud, states);
+    for (PointState& state : states) {
+      state.position.z += 0.25f * static_cast<float>(1 + state.number % 3);
+      state.color = packedColor({1, 2, static_cast<std::uint8_t>(state.number % 200), 255});
+    }
+    REQUIRE(touch->edits()->replace(all, states, last));
+    if (count > 1) {
+      states.back().gone = true;
+      checkHas(*touch, scene.cloud, states);
+    }
   }
 }
 
-}  // namespace palpate::reload_test
+}  // namespace palpate::replace_test
