@@ -118,7 +118,9 @@ SpacingRange spacingRange(const PointCloud& cloud, std::size_t largestTree, unsi
 
 }  // namespace
 
-double meanSpacing(const PointCloud& cloud, unsigned threads) { return spacingRange(cloud, threads).mean; }
+double meanSpacing(const PointCloud& cloud, unsigned threads, std::size_t points) {
+  return spacingRange(cloud, std::min(points, kLargestTree), threads).mean;
+}
 double roughSpacing(const PointCloud& cloud, unsigned threads) { return spacingRange(cloud, kRoughTree, threads).mean; }
 SpacingRange spacingRange(const PointCloud& cloud, unsigned threads) {
   return spacingRange(cloud, kLargestTree, threads);

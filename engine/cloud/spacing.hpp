@@ -6,8 +6,9 @@
 namespace palpate {
 
 /// Mean spacing in model units: the square root of the area per point. Coincident points count once; a far outlier has
-/// no effect. 0 for fewer than two distinct points.
-double meanSpacing(const PointCloud& cloud, unsigned threads = 0);
+/// no effect. 0 for fewer than two distinct points. `points`: of a larger cloud about so many, a random choice, are
+/// looked at, a million at most.
+double meanSpacing(const PointCloud& cloud, unsigned threads = 0, std::size_t points = 1'000'000);
 /// The same from fewer points, in at most a tenth of a second: for searches that are right with any spacing.
 double roughSpacing(const PointCloud& cloud, unsigned threads = 0);
 

@@ -14,7 +14,7 @@
 namespace palpate::transfer_test {
 
 TEST_CASE_FIXTURE(GpuFixture, "data uploaded in any number of pieces is downloaded unchanged") {
-  constexpr std::uint64_t kPiece = std::uint64_t{64} << 20;
+  constexpr std::uint64_t kPiece = std::uint64_t{32} << 20;
   for (const std::uint64_t bytes : {std::uint64_t{4}, kPiece, kPiece + 4, 3 * kPiece + 4}) {
     CAPTURE(bytes);
     const std::size_t count = bytes / sizeof(std::uint32_t);

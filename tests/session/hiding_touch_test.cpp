@@ -42,9 +42,9 @@ class Points final : public TouchDecorator, private EditStream {
     }
     changed += changes.size();
   }
-  bool replace(const PointSet& changed, std::span<const PointState> states, const PointSet& without) override {
+  bool replace(const PointSet& points, std::span<const PointState> states, const PointSet& without) override {
     if (!replaces_) return false;
-    changed.forEach([&](std::uint64_t i) { exists[i] = !states[i].gone && !without.test(i); });
+    points.forEach([&](std::uint64_t i) { exists[i] = !states[i].gone && !without.test(i); });
     ++replaced;
     return true;
   }
