@@ -53,12 +53,21 @@ struct FieldPresence {
   bool operator==(const FieldPresence&) const = default;
 };
 
+/// A point whose strength in a layer of strokes is not the layer's, since it was locked when that was changed.
+struct HeldPoint {
+  std::uint64_t number = 0;
+  double strength = 1;
+
+  bool operator==(const HeldPoint&) const = default;
+};
+
 /// How a layer of strokes is set. Its number is its index in the order in which layers of strokes were made.
 struct StrokeLayer {
   std::string name;
-  double strength = 1;    ///< of its strokes: with 0 the points are as before them, with 1 as after them
-  bool isHidden = false;  ///< as with strength 0
-  bool isMerged = false;  ///< its strokes stay as they are: it is not listed, and cannot be changed
+  double strength = 1;               ///< of its strokes: with 0 the points are as before them, with 1 as after them
+  bool isHidden = false;             ///< as with strength 0
+  bool isMerged = false;             ///< its strokes stay as they are: it is not listed, and cannot be changed
+  std::vector<HeldPoint> held = {};  ///< ascending by number
 
   double shown() const { return isHidden ? 0 : strength; }
   bool operator==(const StrokeLayer&) const = default;
@@ -73,6 +82,29 @@ struct StrokeLayerPoint {
 
   bool operator==(const StrokeLayerPoint&) const = default;
 };
+/// Where a layer of strokes has a point at strength 0, at 1 and in between: positions and normals.
+struct LayerPlace {
+  enum class Kind : std::uint8_t {
+    kept,      ///< it exists before and after the strokes
+    inserted,  ///< it does not exist at exactly 0
+    merged,    ///< it exists at 0, and in between where the others are sparse
+    cut        ///< it exists up to a half
+  };
+  std::uint64_t number = 0;
+  Vec3 one{0}, oneNormal{0};
+  Vec3 base{0};  ///< in between it is on the line from here to `one`
+  /// Of a merged or a cut point, which is at `base` at 0: where it is kept at exactly 1, when it does not exist.
+  Vec3 zero{0};
+  Vec3 zeroNormal{0};
+  Kind kind = Kind::kept;
+  std::uint8_t isSeen = 1;  ///< 0: something else has removed it
+  std::uint8_t isTorn = 0;  ///< 1: the strokes have brought it beside points from afar
+  std::uint8_t none = 0;
+
+  bool operator==(const LayerPlace&) const = default;
+};
+static_assert(sizeof(LayerPlace) == 72);  // without gaps, as it is in logs
+
 /// A layer of strokes is set otherwise, or was made, or removed: a layer is made and removed at the end of the list.
 struct StrokeLayerChange {
   /// What the next states of points are, which belong to the same entry of the history.
@@ -89,6 +121,7 @@ struct StrokeLayerChange {
   std::optional<std::uint32_t> open;  ///< number of the layer that strokes become part of, from now on
   Points moves = Points::none;
   std::vector<StrokeLayerPoint> points;  ///< of a layer that is made
+  std::vector<LayerPlace> places;        ///< likewise, if its strength has been changed; ascending by number
 
   bool operator==(const StrokeLayerChange&) const = default;
 };

@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "engine/core/check.hpp"
 #include "engine/core/point_state.hpp"
 #include "shaders/shared/contact.h"
 

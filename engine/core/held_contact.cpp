@@ -1,7 +1,5 @@
 #include "engine/core/held_contact.hpp"
 
-#include <algorithm>
-
 namespace palpate {
 
 Contact combined(Contact whole, std::span<const PointContact> points, const DVec3& hip) {

@@ -17,6 +17,12 @@ struct PointLock {
   std::vector<std::uint8_t> weights;
 
   bool empty() const { return points.empty() && weights.empty(); }
+  /// The share of a change that a point does not get, 0 to 1.
+  double weightOf(std::uint64_t point, std::uint64_t parent) const {
+    if (points.test(point)) return 1;
+    const std::uint64_t at = point < weights.size() ? point : parent;
+    return at < weights.size() ? weights[at] / double{kWhole} : 0;
+  }
   bool operator==(const PointLock&) const = default;
 };
 

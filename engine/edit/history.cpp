@@ -238,9 +238,9 @@ void History::endStroke() {
   open_ = {};
 }
 
-std::span<const PointChange> History::slide(const StrokeLayerChange& change) {
+std::span<const PointChange> History::slide(StrokeLayerChange& change, const PointLock* lock) {
   PALPATE_CHECK(layers_ && !inStroke_);
-  unseen_ = layers_->slide(change, points_, slides_);
+  unseen_ = layers_->slide(change, points_, lock, slides_);
   return std::span(slides_).first(slides_.size() - unseen_);
 }
 

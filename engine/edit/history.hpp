@@ -84,9 +84,10 @@ class History {
   void changeMany(BareVector<PointState> states, const CarryMany& carry);
 
   /// The changes of points by which a layer of strokes is set so, between strokes; those of points that do not
-  /// exist before and after are left out, and are made by the stroke after beginSlide().
+  /// exist before and after are left out, and are made by the stroke after beginSlide(). `lock`: as
+  /// StrokeLayers::slide().
   /// Valid until the next stroke.
-  std::span<const PointChange> slide(const StrokeLayerChange& change);
+  std::span<const PointChange> slide(StrokeLayerChange& change, const PointLock* lock);
   /// The next stroke to be followed is that slide, of all points of slide(): it sets the layer.
   void beginSlide(StrokeLayerChange change) { slide_ = std::move(change); }
   void cancelSlide() { slide_.reset(), unseen_ = 0; }

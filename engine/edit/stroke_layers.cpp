@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/cloud/shortest_rotation.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/parallel.hpp"
 
@@ -19,18 +20,6 @@ bool hasNoEffect(const StrokeLayerPoint& strokes) {
   return isSameToTheBit(strokes.before, strokes.after) || (strokes.before.gone && strokes.after.gone);
 }
 
-bool isInserted(const StrokeLayerPoint& first, const StrokeLayerPoint& last) {
-  return first.before.gone && !last.after.gone;
-}
-
-// Of a point that does not exist at and below zero.
-double effective(double strength, bool isInserted) { return isInserted ? std::max(strength, 0.0) : strength; }
-
-Vec3 unitOr(const DVec3& v, const Vec3& otherwise) {
-  const double length = glm::length(v);
-  return length > 1e-6 ? Vec3(v / length) : otherwise;
-}
-
 std::uint32_t mixedColor(std::uint32_t a, std::uint32_t b, double strength) {
   if (a == b || a == 0 || b == 0) return strength < kRemovesFrom ? a : b;
   std::uint32_t mixed = 0;
@@ -40,19 +29,6 @@ std::uint32_t mixedColor(std::uint32_t a, std::uint32_t b, double strength) {
     mixed |= static_cast<std::uint32_t>(value) << shift;
   }
   return mixed;
-}
-
-DVec3 mixed(const Vec3& a, const Vec3& b, double strength) { return DVec3(a) + strength * (DVec3(b) - DVec3(a)); }
-
-// Between the states before and after strokes; whether the point exists is up to the caller.
-PointState between(const PointState& before, const PointState& after, double strength) {
-  if (strength == 0) return before;
-  if (strength == 1) return after;
-  PointState at = after;
-  at.position = Vec3(mixed(before.position, after.position, strength));
-  at.normal = unitOr(mixed(before.normal, after.normal, strength), after.normal);
-  at.color = mixedColor(before.color, after.color, strength);
-  return at;
 }
 
 bool isSameBits(const Vec3& a, const Vec3& b) {
@@ -83,17 +59,8 @@ PointState StrokeLayers::Layer::before(std::uint64_t point, const PointStates& p
   return index == kNone ? present[point] : first(index).before;
 }
 
-bool StrokeLayers::Layer::changesPresence(std::uint32_t index) const {
-  return first(index).before.gone != points[index].after.gone;
-}
-
-bool StrokeLayers::Layer::removes(std::uint32_t index, double strength) const {
-  if (!changesPresence(index)) return false;
-  return points[index].after.gone ? strength >= kRemovesFrom : strength <= 0;
-}
-
 void StrokeLayers::Layer::extend(const PointState& from, const PointState& to, const PointStates& present) {
-  toggles.reset();
+  shape = {};
   std::uint32_t index = last(to.number);
   while (index != kNone && points[index].earlier != kNone && hasNoEffect(points[index]) &&
          !isSameToTheBit(points[index].after, from))
@@ -134,6 +101,7 @@ std::uint64_t StrokeLayers::bytes() const {
   for (const Layer& layer : layers_) {
     sum += layer.points.capacity() * sizeof(StrokeLayerPoint);
     for (const auto& page : layer.pages) sum += page.capacity() * sizeof page[0];
+    sum += layer.shape.bytes();
   }
   return sum;
 }
@@ -142,7 +110,7 @@ bool StrokeLayers::fits(const StrokeLayerChange& change) const {
   const bool isMade = change.isPresent && change.number == layers_.size();
   if (change.layer != 0 || change.number > layers_.size()) return false;
   if (!change.isPresent && std::size_t{change.number} + 1 != layers_.size()) return false;
-  if (change.isPresent && !isMade && !change.points.empty()) return false;
+  if (change.isPresent && !isMade && !(change.points.empty() && change.places.empty())) return false;
   if (!(change.set.strength >= kMinLayerStrength && change.set.strength <= kMaxLayerStrength)) return false;
   const std::size_t count = change.isPresent ? layers_.size() + isMade : layers_.size() - 1;
   if (change.open && *change.open >= count) return false;
@@ -150,7 +118,8 @@ bool StrokeLayers::fits(const StrokeLayerChange& change) const {
     const StrokeLayerPoint& point = change.points[i];
     if (point.before.number != point.after.number || (point.earlier != kNone && point.earlier >= i)) return false;
   }
-  return true;
+  return std::ranges::is_sorted(change.places, {}, &LayerPlace::number) &&
+         std::ranges::is_sorted(change.set.held, {}, &HeldPoint::number);
 }
 
 void StrokeLayers::exchange(StrokeLayerChange& change) {
@@ -159,16 +128,21 @@ void StrokeLayers::exchange(StrokeLayerChange& change) {
   if (!change.isPresent) {
     change.set = std::move(layers_.back().set);
     change.points = std::move(layers_.back().points);
+    change.places.assign(layers_.back().shape.places().begin(), layers_.back().shape.places().end());
     layers_.pop_back();
     change.isPresent = true;
   } else if (change.number < layers_.size()) {
-    std::swap(change.set, layers_[change.number].set);
+    Layer& layer = layers_[change.number];
+    std::swap(change.set, layer.set);
+    if (layer.isWhole()) layer.shape = {};  // found again when it is needed
   } else {
     Layer made{.set = change.set};
     for (std::uint32_t i = 0; i < change.points.size(); ++i) made.setLast(change.points[i].after.number, i);
     made.points = std::move(change.points);
+    made.shape = LayerShape(std::move(change.places));
     layers_.push_back(std::move(made));
     change.points.clear();
+    change.places.clear();
     change.isPresent = false;
   }
   std::swap(change.open, open_);
@@ -178,6 +152,8 @@ std::vector<AttributeChange> StrokeLayers::all() const {
   std::vector<AttributeChange> changes;
   for (std::uint32_t i = 0; i < layers_.size(); ++i) {
     StrokeLayerChange made{.number = i, .set = layers_[i].set, .points = layers_[i].points};
+    const auto places = layers_[i].shape.places();
+    if (!layers_[i].isWhole()) made.places.assign(places.begin(), places.end());
     if (i + 1 == layers_.size()) made.open = open_;
     changes.emplace_back(std::move(made));
   }
@@ -194,81 +170,124 @@ void StrokeLayers::record(std::uint32_t number, std::span<const PointState> befo
     }
 }
 
-bool StrokeLayers::isRemovedByOthers(std::uint64_t point, const Layer& than) const {
-  return std::ranges::any_of(layers_, [&](const Layer& layer) {
-    const std::uint32_t index = &layer == &than ? kNone : layer.last(point);
-    return index != kNone && layer.removes(index, layer.set.shown());
-  });
+LayerRecord StrokeLayers::Layer::recordOf(std::uint32_t index, const PointStates& present) const {
+  const StrokeLayerPoint& last = points[index];
+  LayerRecord record{.before = first(index).before, .after = last.after, .present = present[last.after.number]};
+  for (std::uint32_t i = index; i != kNone; i = points[i].earlier)
+    record.displacement += DVec3(points[i].after.position) - DVec3(points[i].before.position);
+  const double strength = strengths().of(last.after.number);
+  PointState& at = record.present;
+  const auto isAfter = [&] { return last.earlier == kNone && isSameBits(at.position, last.after.position); };
+  if (strength != 1) at.position = Vec3(DVec3(at.position) + (1 - strength) * record.displacement);
+  record.isUntouched = isAfter();
+  return record;
 }
 
-const std::vector<std::uint32_t>& StrokeLayers::Layer::toggling() {
-  if (toggles) return *toggles;
-  toggles.emplace();
+void StrokeLayers::findShape(Layer& layer, const PointStates& present) {
+  const std::vector<StrokeLayerPoint>& points = layer.points;
+  std::vector<std::uint32_t> indices;
   for (std::uint32_t i = 0; i < points.size(); ++i)
-    if (isLast(i) && changesPresence(i)) toggles->push_back(i);
-  return *toggles;
+    if (layer.isLast(i)) indices.push_back(i);
+  std::ranges::sort(indices, {}, [&](std::uint32_t i) { return points[i].after.number; });
+  std::vector<LayerRecord> records;
+  records.reserve(indices.size());
+  for (const std::uint32_t i : indices) {
+    records.push_back(layer.recordOf(i, present));
+    records.back().isOfMany = std::ranges::any_of(
+        layers_, [&](const Layer& other) { return &other != &layer && other.last(points[i].after.number) != kNone; });
+  }
+  layer.shape = LayerShape(layerPlaces(records, present));
+}
+
+bool StrokeLayers::Layer::removes(std::uint64_t point) const {
+  const std::uint32_t index = last(point);
+  if (index == kNone) return false;
+  if (const std::size_t at = shape.indexOf(point); at < shape.places().size()) return shape.isRemoved(at, strengths());
+  return points[index].after.gone && strengths().of(point) == 1;
+}
+
+bool StrokeLayers::isRemovedByOthers(std::uint64_t point, const Layer& than) const {
+  return std::ranges::any_of(layers_, [&](const Layer& layer) { return &layer != &than && layer.removes(point); });
 }
 
 void StrokeLayers::observe(std::uint32_t number, const PointStates& present) {
   Layer& layer = layers_[number];
-  for (const std::uint32_t i : layer.toggling()) {
-    if (layer.removes(i, layer.set.shown())) continue;
-    const std::uint64_t point = layer.points[i].after.number;
+  if (layer.isWhole() || layer.shape.empty())
+    findShape(layer, present);
+  else
+    layer.shape.addNew(present, layer.strengths());
+  layer.shape.findSurroundings();
+  const std::span<const LayerPlace> places = layer.shape.places();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i].kind == LayerPlace::Kind::kept || layer.shape.isRemoved(i, layer.strengths())) continue;
+    const std::uint64_t point = places[i].number;
     const bool isGone = present[point].gone;
     if (isGone == removed_.test(point) || isRemovedByOthers(point, layer)) continue;
     removed_.set(point, isGone);
   }
 }
 
-PointState StrokeLayers::slid(const Layer& layer, std::uint32_t index, double from, double to,
+PointState StrokeLayers::slid(const Layer& layer, std::size_t index, const LayerStrengths& to,
                               const PointState& present) {
-  const StrokeLayerPoint& last = layer.points[index];
-  const PointState& before = layer.first(index).before;
-  const bool inserted = isInserted(layer.first(index), last);
-  from = effective(from, inserted);
-  to = effective(to, inserted);
-  const PointState expected = between(before, last.after, from), then = between(before, last.after, to);
+  const std::uint64_t point = present.number;
+  const LayerStrengths was = layer.strengths();
+  const double from = was.of(point), then = to.of(point);
   PointState next = present;
-  if (last.earlier == kNone && isSameBits(present.position, expected.position)) {
-    next.position = then.position;
+  if (from == then) return next;
+  const Vec3 expected = layer.shape.positionAt(index, from), position = layer.shape.positionAt(index, then);
+  const bool isThere = isSameBits(present.position, expected);
+  next.position = isThere ? position : Vec3(DVec3(present.position) + DVec3(position) - DVec3(expected));
+  const Vec3 normal = layer.shape.normalAt(index, then);
+  if (isThere) {
+    next.normal = normal;
   } else {
-    DVec3 displacement{0};
-    for (std::uint32_t i = index; i != kNone; i = layer.points[i].earlier)
-      displacement += DVec3(layer.points[i].after.position) - DVec3(layer.points[i].before.position);
-    next.position = Vec3(DVec3(present.position) + (to - from) * displacement);
+    const DVec3 had(layer.shape.normalAt(index, from));
+    next.normal = Vec3(shortestRotation(had, DVec3(normal)) * DVec3(present.normal));
   }
-  if (isSameBits(present.normal, expected.normal))
-    next.normal = then.normal;
-  else
-    next.normal = unitOr(DVec3(present.normal) + DVec3(then.normal) - DVec3(expected.normal), present.normal);
-  if (present.color == expected.color) next.color = then.color;
+  const std::uint32_t last = layer.last(point);
+  if (last == kNone) return next;
+  const std::uint32_t before = layer.first(last).before.color, after = layer.points[last].after.color;
+  const auto colorAt = [&](double strength) {
+    return strength == 0 ? before : strength == 1 ? after : mixedColor(before, after, strength);
+  };
+  if (present.color == colorAt(from)) next.color = colorAt(then);
   return next;
 }
 
-std::size_t StrokeLayers::slide(const StrokeLayerChange& to, const PointStates& present,
+// A point that is locked in part goes as much less far, however often.
+void StrokeLayers::hold(const LayerShape& shape, const LayerStrengths& was, const PointLock& lock,
+                        const PointStates& present, StrokeLayer& set) {
+  set.held.clear();
+  if (lock.empty() && was.held.empty()) return;
+  for (const LayerPlace& place : shape.places()) {
+    const double weight = lock.weightOf(place.number, present[place.number].parent);
+    const double from = was.of(place.number);
+    const double to = weight == 0 ? set.shown() : from + (1 - weight) * (set.shown() - from);
+    if (to != set.shown()) set.held.push_back({place.number, to});
+  }
+}
+
+std::size_t StrokeLayers::slide(StrokeLayerChange& to, const PointStates& present, const PointLock* lock,
                                 std::vector<PointChange>& changes) {
   observe(to.number, present);
   const Layer& layer = layers_[to.number];
-  const double was = layer.set.shown(), next = to.set.shown();
-  changes.resize(layer.points.size());
+  if (layer.shape.isTorn()) to.set.strength = std::clamp(to.set.strength, 0.0, 1.0);
+  if (lock) hold(layer.shape, layer.strengths(), *lock, present, to.set);
+  const LayerStrengths then{to.set.shown(), to.set.held};
+  const std::span<const LayerPlace> places = layer.shape.places();
+  changes.resize(places.size());
   std::atomic<std::size_t> unchanged = 0, unseen = 0;
   parallelFor(changes.size(), 0, [&](std::size_t begin, std::size_t end) {
     std::size_t same = 0, gone = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      const auto index = static_cast<std::uint32_t>(i);
-      const std::uint64_t point = layer.points[i].after.number;
-      changes[i] = {};
-      if (!layer.isLast(index)) {
-        ++same;
-        continue;
-      }
+      const std::uint64_t point = places[i].number;
       const PointState from = present[point];
-      PointState then = slid(layer, index, was, next, from);
-      if (layer.changesPresence(index))
-        then.gone = layer.removes(index, next) || removed_.test(point) || isRemovedByOthers(point, layer);
-      changes[i] = {from, then};
-      same += isSameToTheBit(from, then);
-      gone += from.gone && then.gone;
+      PointState next = slid(layer, i, then, from);
+      if (places[i].kind != LayerPlace::Kind::kept && layer.strengths().of(point) != then.of(point))
+        next.gone = layer.shape.isRemoved(i, then) || removed_.test(point) || isRemovedByOthers(point, layer);
+      changes[i] = {from, next};
+      same += isSameToTheBit(from, next);
+      gone += from.gone && next.gone;
     }
     unchanged += same;
     unseen += gone;
@@ -296,6 +315,12 @@ StrokeLayerChange renumbered(StrokeLayerChange change, std::span<const PointStat
     indices[i] = static_cast<std::uint32_t>(change.points.size());
     change.points.push_back(point);
   }
+  const auto renumber = [&](auto& each) {
+    std::erase_if(each, [&](const auto& point) { return !isThere(point.number); });
+    for (auto& point : each) point.number = numbers[point.number];
+  };
+  renumber(change.places);
+  renumber(change.set.held);
   return change;
 }
 

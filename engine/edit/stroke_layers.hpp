@@ -9,17 +9,20 @@
 #include <vector>
 
 #include "engine/core/attribute_change.hpp"
+#include "engine/core/point_lock.hpp"
+#include "engine/edit/layer_places.hpp"
+#include "engine/edit/layer_shape.hpp"
 #include "engine/edit/point_states.hpp"
 
 namespace palpate {
 
+/// Of a layer whose strokes have cut (LayerShape::isTorn()) the strength ends at 0 and 1.
 inline constexpr double kMinLayerStrength = -1, kMaxLayerStrength = 2;
-/// Points that strokes of a layer removed are removed from this strength on. Inserted ones exist above 0.
-inline constexpr double kRemovesFrom = 0.5;
 
 /// The layers of strokes of a cloud: the points before and after the strokes of each, which are recorded, undone and
-/// redone together with the entries of the history. A position is that before, and strength times the displacement;
-/// what other strokes have done to the point since stays. For one thread.
+/// redone together with the entries of the history. The first change of a layer's strength since its last stroke finds
+/// its LayerShape, on which the points are at each strength from then on; what other strokes do to a point since then
+/// is added. For one thread.
 class StrokeLayers {
  public:
   /// Number of layers, including merged ones.
@@ -44,18 +47,20 @@ class StrokeLayers {
   void record(std::uint32_t number, std::span<const PointState> before, const PointStates& present);
 
   /// Replaces `changes` by those by which a layer gets another strength; those of points that do not exist before and
-  /// after, which concern the history alone, come last. Returns their number.
-  std::size_t slide(const StrokeLayerChange& to, const PointStates& present, std::vector<PointChange>& changes);
-  /// Notes which points something else has removed, as long as this layer does not do so itself. Before each change of
-  /// its strength.
+  /// after, which concern the history alone, come last. Returns their number. Limits the strength of `to`, and
+  /// notes in it the points that `lock` holds; null: those that are noted.
+  std::size_t slide(StrokeLayerChange& to, const PointStates& present, const PointLock* lock,
+                    std::vector<PointChange>& changes);
+  /// Finds the layer's shape, and notes which points something else has removed, as long as this layer does not do so
+  /// itself. Before each change of its strength.
   void observe(std::uint32_t number, const PointStates& present);
 
  private:
   struct Layer {
     StrokeLayer set;
     std::vector<StrokeLayerPoint> points;
-    std::vector<std::vector<std::uint32_t>> pages;      // by number of the point: index of its last strokes
-    std::optional<std::vector<std::uint32_t>> toggles;  // indices that change presence, once they were asked for
+    std::vector<std::vector<std::uint32_t>> pages;  // by number of the point: index of its last strokes
+    LayerShape shape;                               // empty: a stroke has changed it since, or its strength is 1
 
     std::uint32_t last(std::uint64_t point) const;
     void setLast(std::uint64_t point, std::uint32_t index);
@@ -64,13 +69,18 @@ class StrokeLayers {
     /// Where `point` was before the layer.
     PointState before(std::uint64_t point, const PointStates& present) const;
     void extend(const PointState& from, const PointState& to, const PointStates& present);
-    /// Whether it inserted or removed the point, whose last strokes these are.
-    bool changesPresence(std::uint32_t index) const;
-    bool removes(std::uint32_t index, double strength) const;
-    const std::vector<std::uint32_t>& toggling();
+    LayerRecord recordOf(std::uint32_t index, const PointStates& present) const;
+    /// All its points are as at strength 1.
+    bool isWhole() const { return set.shown() == 1 && set.held.empty(); }
+    LayerStrengths strengths() const { return {set.shown(), set.held}; }
+    /// Whether it removes the point at present.
+    bool removes(std::uint64_t point) const;
   };
+  void findShape(Layer& layer, const PointStates& present);
   bool isRemovedByOthers(std::uint64_t point, const Layer& than) const;
-  static PointState slid(const Layer& layer, std::uint32_t index, double from, double to, const PointState& present);
+  static void hold(const LayerShape& shape, const LayerStrengths& was, const PointLock& lock,
+                   const PointStates& present, StrokeLayer& set);
+  static PointState slid(const Layer& layer, std::size_t index, const LayerStrengths& to, const PointState& present);
 
   std::vector<Layer> layers_;
   std::optional<std::uint32_t> open_;

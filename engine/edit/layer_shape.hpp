@@ -1,0 +1,74 @@
+// Where the points of a layer of strokes are at each strength: a surface between those before and after its strokes.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/core/attribute_change.hpp"
+#include "engine/edit/point_states.hpp"
+
+namespace palpate {
+
+/// Points that strokes of a layer cut away are removed from this strength on.
+inline constexpr double kRemovesFrom = 0.5;
+
+/// The strength of each point of a layer.
+struct LayerStrengths {
+  double most = 1;
+  std::span<const HeldPoint> held = {};
+
+  double of(std::uint64_t point) const {
+    if (held.empty()) return most;
+    const auto at = std::ranges::lower_bound(held, point, {}, &HeldPoint::number);
+    return at != held.end() && at->number == point ? at->strength : most;
+  }
+};
+
+/// The points of a layer of strokes at each strength.
+class LayerShape {
+ public:
+  LayerShape() = default;
+  /// `places`: layerPlaces().
+  explicit LayerShape(std::vector<LayerPlace> places) : places_(std::move(places)) {}
+
+  bool empty() const { return places_.empty(); }
+  std::span<const LayerPlace> places() const { return places_; }
+  /// Index of a point in places(), or places().size().
+  std::size_t indexOf(std::uint64_t point) const;
+  /// Includes points that other strokes have inserted since: they go along with their parents.
+  void addNew(const PointStates& present, const LayerStrengths& strengths);
+  std::uint64_t bytes() const;
+  /// Whether the strokes have cut, so that the surface cannot be followed beyond 0 and 1.
+  bool isTorn() const;
+
+  Vec3 positionAt(std::size_t index, double strength) const;
+  /// Whether the layer removes the point.
+  bool isRemoved(std::size_t index, const LayerStrengths& strengths) const;
+  /// Of the surface, facing as the points do.
+  Vec3 normalAt(std::size_t index, double strength) const;
+  /// Before isRemoved() and normalAt(), and for one thread.
+  void findSurroundings();
+
+ private:
+  static constexpr std::size_t kNeighbours = 10;
+  struct Surroundings {
+    std::array<Vec3, 2> bends{};  // change of (one - base) along two tangents
+    float spacing = 0;            // of the points around
+    std::uint32_t merged = 0;     // index of a merged point
+  };
+  struct Near {
+    std::array<std::uint32_t, kNeighbours> indices{};
+    std::size_t count = 0;
+  };
+  std::array<Vec3, 2> bendsOf(std::size_t index, std::span<const std::uint32_t> near) const;
+
+  std::vector<LayerPlace> places_;          // ascending by number
+  std::vector<Surroundings> surroundings_;  // as places_
+  std::vector<Near> nearMerged_;            // the points beside merged ones, before
+};
+
+}  // namespace palpate
