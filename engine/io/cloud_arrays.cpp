@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kName = "the arrays";
 
-struct Group {
+struct ArrayGroup {
   const NumberRows* rows;
   std::array<const char*, 3> names;
 
@@ -27,9 +27,9 @@ struct Group {
   }
 };
 
-std::vector<Group> groupsOf(const CloudArrays& arrays) {
+std::vector<ArrayGroup> groupsOf(const CloudArrays& arrays) {
   if (!arrays.positions.data && arrays.count > 0) throw UsageError("positions: are missing");
-  std::vector<Group> groups{{&arrays.positions, {"x", "y", "z"}}};
+  std::vector<ArrayGroup> groups{{&arrays.positions, {"x", "y", "z"}}};
   if (arrays.normals.data) groups.push_back({&arrays.normals, {"nx", "ny", "nz"}});
   if (arrays.colors.data) groups.push_back({&arrays.colors, {"red", "green", "blue"}});
   return groups;
@@ -41,7 +41,7 @@ float numberAt(const NumberRows& rows, const std::byte* row, std::size_t column)
 }
 
 /// Colours as floats of 0 to 1; if the maximum exceeds 1 they are taken as 0 to 255.
-std::vector<float> colorsOf(const Group& group, std::uint64_t count) {
+std::vector<float> colorsOf(const ArrayGroup& group, std::uint64_t count) {
   constexpr float kMaxByte = 255, kRounded = 1e-3f;  // tolerance by which colours of 0 to 1 may exceed 1
   std::vector<float> colors;
   colors.reserve(3 * count);
@@ -63,7 +63,7 @@ std::vector<float> colorsOf(const Group& group, std::uint64_t count) {
 }  // namespace
 
 PointCloud cloudOf(const CloudArrays& arrays, Log* log) {
-  std::vector<Group> groups = groupsOf(arrays);
+  std::vector<ArrayGroup> groups = groupsOf(arrays);
   std::vector<float> colors;
   NumberRows even;
   if (arrays.colors.data && (arrays.colors.type == ScalarType::f32 || arrays.colors.type == ScalarType::f64)) {
@@ -72,7 +72,7 @@ PointCloud cloudOf(const CloudArrays& arrays, Log* log) {
     groups.back().rows = &even;
   }
   PlyElement element{.name = "vertex", .count = arrays.count, .properties = {}, .line = 1};
-  for (const Group& group : groups)
+  for (const ArrayGroup& group : groups)
     for (const char* name : group.names) element.properties.push_back({.name = name, .type = group.rows->type});
   PlyVertices vertices(kName, element, log, BadRows::refuse);
   vertices.reserve(arrays.count);
@@ -81,7 +81,7 @@ PointCloud cloudOf(const CloudArrays& arrays, Log* log) {
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kPointBatch, arrays.count - begin));
     std::byte* to = packed.data();
     for (std::size_t i = 0; i < count; ++i)
-      for (const Group& group : groups) {
+      for (const ArrayGroup& group : groups) {
         std::memcpy(to, group.row(begin + i), group.rowBytes());
         to += group.rowBytes();
       }

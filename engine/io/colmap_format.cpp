@@ -1,4 +1,4 @@
-#include "engine/io/colmap_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,6 @@
 #include "engine/cloud/view_normals.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
-#include "engine/io/colmap_frusta.hpp"
 #include "engine/io/colmap_model.hpp"
 #include "engine/io/colmap_reliability.hpp"
 #include "engine/io/ply_vertices.hpp"

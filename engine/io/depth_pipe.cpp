@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "engine/core/error.hpp"
-#include "engine/io/camera_pose.hpp"
 #include "engine/io/camera_text.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/text_number.hpp"

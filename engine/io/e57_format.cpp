@@ -1,4 +1,4 @@
-#include "engine/io/e57_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 
 #include "engine/cloud/scalar_type.hpp"
 #include "engine/core/counted.hpp"

@@ -4,7 +4,6 @@
 
 #include "engine/core/error.hpp"
 #include "engine/io/chunked_file.hpp"
-#include "engine/io/is_file.hpp"
 #include "engine/io/text_number.hpp"
 #include "engine/io/text_words.hpp"
 

@@ -6,9 +6,16 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace palpate {
+
+/// Whether the path is a regular file; false if that cannot be determined.
+inline bool isFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
 
 /// First bytes of a regular file; text is without its byte order mark, and UTF-16 is converted to UTF-8.
 struct FileStart {

@@ -1,4 +1,4 @@
-#include "engine/io/gaussian_packed.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,8 @@
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/chunked_file.hpp"
+#include "engine/io/file_start.hpp"
 #include "engine/io/gaussian_cloud.hpp"
-#include "engine/io/is_file.hpp"
 #include "engine/io/ply_header.hpp"
 #include "engine/io/zip_archive.hpp"
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <string>
 
 #include "engine/io/chunked_file.hpp"

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <limits>
-#include <mutex>
 
 #include <glm/common.hpp>
 

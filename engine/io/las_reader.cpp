@@ -3,25 +3,179 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <limits>
+#include <optional>
+#include <span>
 #include <utility>
 
+#include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/up.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
+#include "engine/io/append_bytes.hpp"
 #include "engine/io/ends_after.hpp"
 #include "engine/io/in_quotes.hpp"
-#include "engine/io/las_unit.hpp"
-#include "engine/io/las_unpacked.hpp"
 #include "engine/io/laz_reader.hpp"
 #include "engine/io/saving.hpp"
 
 namespace palpate {
 
 namespace {
+
+// The unit of length of a LAS file according to its coordinate system, given as GeoTIFF keys (OGC 19-008) or as text
+// (OGC 18-010).
+
+constexpr std::string_view kProjection = "LASF_Projection";
+constexpr unsigned kTextRecord = 2112, kKeysRecord = 34735, kNamesRecord = 34737;
+
+std::string_view wordsIn(const LasRecord& record) {
+  return {reinterpret_cast<const char*>(record.data.data()), record.data.size()};
+}
+
+LengthUnit unitOfMetres(double metres) {
+  constexpr double kInternational = 1e-5;  // the US survey foot is 2e-6 longer than the international foot
+  for (const auto& [unit, size] : {std::pair{LengthUnit::m, 1.0},
+                                   {LengthUnit::foot, 0.3048},
+                                   {LengthUnit::cm, 0.01},
+                                   {LengthUnit::mm, 0.001},
+                                   {LengthUnit::inch, 0.0254}})
+    if (std::abs(metres / size - 1) < kInternational) return unit;
+  return LengthUnit::unknown;
+}
+
+/// The text in the brackets behind the first of the words that occurs.
+std::optional<std::string_view> insideOf(std::string_view text, std::initializer_list<std::string_view> words) {
+  for (const std::string_view word : words) {
+    const std::size_t begin = text.find(word);
+    if (begin == text.npos) continue;
+    std::size_t depth = 0;
+    for (std::size_t i = begin; i < text.size(); ++i) {
+      if (text[i] == '[') ++depth;
+      if (text[i] == ']' && --depth == 0) return text.substr(begin + word.size(), i - begin - word.size());
+    }
+  }
+  return std::nullopt;
+}
+
+/// The last unit of length in a projected system is that of its axes; units of parameters come first.
+LengthUnit unitInText(std::string_view text) {
+  auto projected = insideOf(text, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS["});
+  if (!projected) {
+    const bool degrees = insideOf(text, {"GEOGCS[", "GEOGCRS[", "GEOGRAPHICCRS["}).has_value();
+    return degrees ? LengthUnit::unknown : LengthUnit::m;  // local or geocentric system
+  }
+  // Some programs nest the vertical system.
+  projected = projected->substr(
+      0, std::min({projected->find("VERTCS["), projected->find("VERT_CS["), projected->find("VERTCRS[")}));
+  LengthUnit unit = LengthUnit::m;
+  for (std::size_t at = 0; (at = projected->find("UNIT[", at)) != projected->npos; at += 5) {
+    const std::string_view before = projected->substr(0, at);
+    if (before.ends_with("ANGLE") || before.ends_with("SCALE")) continue;
+    const std::size_t comma = projected->find(',', at);
+    double metres = 0;
+    const char* const end = projected->data() + projected->size();
+    if (comma == projected->npos) break;
+    std::from_chars(std::find_if(projected->data() + comma + 1, end, [](char c) { return c != ' '; }), end, metres);
+    constexpr double kDegree = 0.0174532925;  // of a nested geographic system, in WKT 1
+    if (std::abs(metres / kDegree - 1) > 1e-6) unit = unitOfMetres(metres);
+  }
+  return unit;
+}
+
+LengthUnit unitInKeys(std::span<const std::byte> data, std::string_view names) {
+  constexpr unsigned kModel = 1024, kProjected = 3072, kLinearUnits = 3076;
+  constexpr unsigned kGeographic = 2, kMetre = 9001, kFoot = 9002, kSurveyFoot = 9003;
+  constexpr unsigned kFirstInFeet = 2222, kLastInFeet = 2289;  // NAD83 state planes in EPSG's list
+  LengthUnit unit = LengthUnit::m;
+  if (names.find("ftUS") != names.npos || names.find("foot") != names.npos || names.find("feet") != names.npos)
+    unit = LengthUnit::foot;
+  std::optional<LengthUnit> said;
+  constexpr std::size_t kKey = 8;
+  for (std::size_t at = kKey; at + kKey <= data.size(); at += kKey) {
+    const unsigned key = loadScalar<std::uint16_t>(data.data() + at);
+    const unsigned value = loadScalar<std::uint16_t>(data.data() + at + 6);
+    if (key == kModel && value == kGeographic) return LengthUnit::unknown;
+    if (key == kProjected && value >= kFirstInFeet && value <= kLastInFeet) unit = LengthUnit::foot;
+    if (key == kLinearUnits)
+      said = value == kMetre                          ? LengthUnit::m
+             : value == kFoot || value == kSurveyFoot ? LengthUnit::foot
+                                                      : LengthUnit::unknown;
+  }
+  return said.value_or(unit);
+}
+
+/// Metres if the system declares no other unit; unknown without a system, and if coordinates are in degrees or in an
+/// unsupported unit.
+LengthUnit lasUnit(std::span<const LasRecord> records) {
+  std::string_view names;
+  for (const LasRecord& record : records) {
+    if (record.is(kProjection, kTextRecord)) return unitInText(wordsIn(record));
+    if (record.is(kProjection, kNamesRecord)) names = wordsIn(record);
+  }
+  for (const LasRecord& record : records)
+    if (record.is(kProjection, kKeysRecord)) return unitInKeys(record.data, names);
+  return LengthUnit::unknown;
+}
+
+// The bytes before and behind the points of a LAZ file as they would be in an uncompressed LAS file.
+
+/// Collects the records that are kept, in order.
+class LasUnpacked {
+ public:
+  /// `head`: the bytes of the file before its points; `tailAt`: start of the bytes behind them. `head` must outlive the
+  /// object.
+  LasUnpacked(const LasHeader& header, std::span<const std::byte> head, std::uint64_t tailAt)
+      : header_(header), head_(head), tailAt_(tailAt) {}
+
+  void add(const LasRecord& record) {
+    appendBytes(records_, record.head);
+    appendBytes(records_, record.data);
+    ++count_;
+  }
+
+  void addLong(const LasRecord& record) {
+    appendBytes(tail_, record.head);
+    appendBytes(tail_, record.data);
+    ++longCount_;
+  }
+
+  /// Header, added records, and the bytes after the file's records.
+  std::vector<std::byte> head() const {
+    std::size_t recordsEnd = header_.size;
+    for (const LasRecord& record : lasRecords({}, header_, head_))
+      recordsEnd = record.at + record.head.size() + record.data.size();
+    std::vector<std::byte> bytes;
+    appendBytes(bytes, head_.first(header_.size));
+    appendBytes(bytes, records_);
+    appendBytes(bytes, head_.subspan(recordsEnd));
+    const auto put = [&](std::size_t at, auto value) { std::memcpy(bytes.data() + at, &value, sizeof value); };
+    put(96, static_cast<std::uint32_t>(bytes.size()));
+    put(100, count_);
+    put(104, static_cast<std::uint8_t>(header_.format));
+    const std::uint64_t end = bytes.size() + header_.points * header_.pointBytes;
+    if (header_.minor >= 3 && header_.waveformsAt >= tailAt_) put(227, header_.waveformsAt - tailAt_ + end);
+    if (header_.minor < 4 || header_.longRecords == 0) return bytes;
+    const bool all = longCount_ == header_.longRecords;
+    put(235, longCount_ == 0 ? std::uint64_t{0} : end + (all ? header_.longRecordsAt - tailAt_ : 0));
+    put(243, longCount_);
+    return bytes;
+  }
+
+  /// The added long records only.
+  const std::vector<std::byte>& tail() const { return tail_; }
+
+ private:
+  const LasHeader& header_;
+  std::span<const std::byte> head_;
+  std::uint64_t tailAt_;
+  std::vector<std::byte> records_, tail_;
+  std::uint32_t count_ = 0, longCount_ = 0;
+};
 
 constexpr std::size_t kBlock = 4096;                        // points that a thread processes at a time
 constexpr std::size_t kSlab = std::size_t{1} << 30;         // bytes of points between synchronisations of threads

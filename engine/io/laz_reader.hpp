@@ -1,8 +1,6 @@
 // Decodes the points of LAZ, one chunk per thread or two interleaved.
 #pragma once
 
-#include <functional>
-
 #include "engine/core/log.hpp"
 #include "engine/io/las_columns.hpp"
 #include "engine/io/laz_layout.hpp"

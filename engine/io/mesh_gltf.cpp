@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
@@ -9,7 +8,6 @@
 #include "engine/core/counted.hpp"
 #include "engine/io/color_scale.hpp"
 #include "engine/io/gltf_parts.hpp"
-#include "engine/io/gltf_textures.hpp"
 #include "engine/io/mesh_import.hpp"
 
 namespace palpate {

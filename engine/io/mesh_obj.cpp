@@ -4,18 +4,75 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "engine/core/counted.hpp"
+#include "engine/core/vec.hpp"
 #include "engine/io/color_scale.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_lines.hpp"
-#include "engine/io/obj_materials.hpp"
 #include "engine/io/polygon.hpp"
+#include "engine/io/texture.hpp"
 
 namespace palpate {
 
 namespace {
+
+// Materials of OBJ (MTL): their colours and textures.
+struct ObjMaterial {
+  std::string name;
+  std::optional<DVec3> color = {};      ///< Kd, 0 to 1
+  std::optional<Texture> texture = {};  ///< map_Kd
+  Vec2 scale{1}, shift{0};              ///< of coordinates of the texture
+  bool isUsed = false;
+  std::uint32_t number = kNoTexture;  ///< index of the texture among those of the mesh
+
+  /// Many programs write a grey Kd beside a texture that is not to be darkened.
+  DVec3 shown() const {
+    const DVec3 own = color.value_or(DVec3(1));
+    return texture && own.x == own.y && own.y == own.z ? DVec3(1) : own;
+  }
+};
+
+/// Reads the options of map_Kd; the name of the picture, which may contain blanks, follows them.
+void readTexture(const MeshLines& lines, const std::filesystem::path& folder, ObjMaterial& material) {
+  const auto& words = lines.words();
+  Texture& texture = material.texture.emplace();
+  std::size_t k = 1;
+  while (k + 1 < words.size() && words[k].size() > 1 && words[k][0] == '-') {
+    const std::string_view option = words[k++];
+    if (option == "-s" || option == "-o" || option == "-t") {
+      for (int axis = 0; axis < 3 && k + 1 < words.size(); ++axis, ++k) {
+        const auto value = textNumber<float>(words[k]);
+        if (!value) break;
+        if (axis < 2 && option != "-t") (option == "-s" ? material.scale : material.shift)[axis] = *value;
+      }
+    } else {
+      if (option == "-clamp" && words[k] == "on") texture.wrapU = texture.wrapV = TextureWrap::clamp;
+      k += option == "-mm" ? 2 : 1;
+    }
+  }
+  texture.name = lines.behind(std::min(k, words.size() - 1));
+  texture.file = textureBeside(folder, texture.name);
+}
+
+/// Materials may be repeated. Throws FileError.
+std::vector<ObjMaterial> readObjMaterials(const std::filesystem::path& file) {
+  std::vector<ObjMaterial> materials;
+  MeshLines lines(file);
+  while (lines.next()) {
+    const auto& words = lines.words();
+    if (words.front() == "newmtl")
+      materials.push_back({.name = lines.behind(1)});
+    else if (words.front() == "Kd" && !materials.empty() && words.size() >= 4 && textNumber<double>(words[1]))
+      materials.back().color = lines.three(1, "a colour");
+    else if (words.front() == "map_Kd" && !materials.empty() && words.size() > 1)
+      readTexture(lines, file.parent_path(), materials.back());
+  }
+  return materials;
+}
 
 class ObjReader {
  public:

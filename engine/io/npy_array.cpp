@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <map>
-#include <memory>
 
 #include "engine/core/error.hpp"
 #include "engine/io/ends_after.hpp"

@@ -1,4 +1,4 @@
-#include "engine/io/pcd_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "engine/io/ends_after.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/lzf.hpp"
-#include "engine/io/pcd_rows.hpp"
+#include "engine/io/pcd_header.hpp"
 #include "engine/io/ply_writer.hpp"
 #include "engine/io/point_batch.hpp"
 #include "engine/io/row_output.hpp"

@@ -1,11 +1,14 @@
 // The header of PCD files (Point Cloud Library; Rusu and Cousins 2011), versions 0.5 to 0.7.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/cloud/scalar_type.hpp"
 #include "engine/io/chunked_file.hpp"
+#include "engine/io/ply_header.hpp"
+#include "engine/io/ply_vertices.hpp"
 
 namespace palpate {
 
@@ -51,5 +54,39 @@ decltype(auto) visitPcd(const PcdField& field, F&& f) {
   if (field.type == 'U') return whole(std::uint8_t{}, std::uint16_t{}, std::uint32_t{}, std::uint64_t{});
   return field.bytes == 8 ? f(std::type_identity<double>{}) : f(std::type_identity<float>{});
 }
+
+/// Converts the rows of a PCD file to columns of a cloud.
+/// Names are converted to those shared by all formats: normal_x becomes nx, the bytes of rgb become red, green and
+/// blue, a field of several numbers NAME_0, NAME_1 and so on. Padding (`_`) is skipped.
+class PcdRows {
+ public:
+  PcdRows(const std::filesystem::path& file, const PcdHeader& header, Log* log);
+
+  void reserve(std::uint64_t points) { vertices_.reserve(points); }
+  struct Bad {
+    std::size_t row;
+    std::string what;
+  };
+  /// Appends rows in the layout of the file.
+  std::optional<Bad> append(const std::byte* rows, std::size_t count);
+  PointCloud finish(Log* log) { return vertices_.finish(log); }
+  std::vector<std::string> lost() const { return vertices_.lost(); }
+
+  /// Columns after conversion.
+  static PlyElement elementOf(const PcdHeader& header);
+
+ private:
+  struct Column {
+    std::size_t at;
+    ScalarType type;
+  };
+  static std::vector<Column> columnsOf(const PcdHeader& header, PlyElement* element);
+  void appendRow(const std::byte* row);
+
+  std::vector<Column> columns_;
+  std::size_t rowBytes_;
+  PlyVertices vertices_;
+  std::vector<std::byte> packed_;
+};
 
 }  // namespace palpate

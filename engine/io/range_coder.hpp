@@ -7,7 +7,6 @@
 // (laz_point10.hpp and the others).
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>

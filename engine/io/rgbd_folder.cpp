@@ -6,8 +6,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/camera_text.hpp"
 #include "engine/io/colmap_model.hpp"
-#include "engine/io/image_file.hpp"
-#include "engine/io/is_file.hpp"
+#include "engine/io/file_start.hpp"
 
 namespace palpate {
 

@@ -8,10 +8,9 @@
 #include <optional>
 
 #include "engine/core/error.hpp"
-#include "engine/io/camera_pose.hpp"
 #include "engine/io/camera_text.hpp"
+#include "engine/io/file_start.hpp"
 #include "engine/io/in_quotes.hpp"
-#include "engine/io/is_file.hpp"
 #include "engine/io/list_lines.hpp"
 #include "engine/io/text_number.hpp"
 

@@ -3,13 +3,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
 
 #include "engine/core/counted.hpp"
-#include "engine/core/error.hpp"
 #include "engine/io/column_names.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/text_number.hpp"

@@ -8,8 +8,8 @@
 #include "engine/cloud/length_unit.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/chunked_file.hpp"
+#include "engine/io/column_names.hpp"
 #include "engine/io/text_words.hpp"
-#include "engine/io/unnamed_columns.hpp"
 
 namespace palpate {
 

@@ -1,4 +1,4 @@
-#include "engine/io/xyz_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <fmt/ranges.h>
 

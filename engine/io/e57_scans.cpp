@@ -1,4 +1,4 @@
-#include "engine/io/e57_pages.hpp"
+#include "engine/io/e57_scans.hpp"
 
 #include <fmt/format.h>
 
