@@ -1,33 +1,12 @@
 #include "engine/cloud/analytic_shape.hpp"
 
-#include <array>
 #include <atomic>
 
 #include "engine/cloud/counter_random.hpp"
-#include "engine/cloud/shapes.hpp"
-#include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
-#include "engine/core/unknown_name.hpp"
 
 namespace palpate {
 namespace {
-
-struct Entry {
-  std::string_view name;
-  std::unique_ptr<AnalyticShape> (*make)(double size, const DVec3& center);
-};
-constexpr std::array<Entry, 6> kShapes{{{"plane", makePlane},
-                                        {"cube", makeCube},
-                                        {"sphere", makeSphere},
-                                        {"torus", makeTorus},
-                                        {"bumpy-sphere", makeBumpySphere},
-                                        {"sculpture", makeSculpture}}};
-
-constexpr auto kShapeNames = [] {
-  std::array<std::string_view, kShapes.size()> names;
-  for (std::size_t k = 0; k < names.size(); ++k) names[k] = kShapes[k].name;
-  return names;
-}();
 
 /// Point `i` of `count` of the lattice. The fractional part of i / golden ratio is the upper half of a wrapping
 /// product, so it is exact for any i.
@@ -43,16 +22,6 @@ double AnalyticShape::signedDistance(const DVec3& p) const {
   const SurfacePoint surface = closest(p);
   const DVec3 offset = p - surface.position;
   return std::copysign(glm::length(offset), glm::dot(offset, surface.normal));
-}
-
-std::span<const std::string_view> shapeNames() { return kShapeNames; }
-
-std::unique_ptr<AnalyticShape> makeShape(std::string_view name, double size, const DVec3& center) {
-  if (!(size > 0) || !std::isfinite(size)) throw UsageError("a shape of size {}; expected a number above 0", size);
-  if (!isFinite(center)) throw UsageError("a shape's centre must be three finite numbers");
-  for (const Entry& entry : kShapes)
-    if (entry.name == name) return entry.make(size, center);
-  throw UsageError("{}", unknownName("shape", name, kShapeNames));
 }
 
 PointCloud sampleShape(const AnalyticShape& shape, const SampleOptions& options) {

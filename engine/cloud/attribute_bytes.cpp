@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "engine/cloud/scalar_type.hpp"
@@ -27,6 +28,11 @@ struct LayerHead {
   double strength = 0;
   std::uint64_t open = 0, moves = 0, nameBytes = 0;
 };
+// Behind it: how many points are held, and have places, in the numbers of the layout before.
+struct LayerCounts {
+  std::uint64_t held = 0, places = 0;
+};
+constexpr std::uint64_t kLayerWithPlaces = 4;  // kind of a change; that without the counts is 3
 struct LayerPoint {
   PackedState before, after;
   std::uint32_t earlier = 0;
@@ -69,6 +75,15 @@ struct ByteReader {
     rest = rest.subspan((words.size() - left.size()) * sizeof(std::uint64_t));
     return true;
   }
+  template <class T>
+  bool take(std::vector<T>& items, std::uint64_t count) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (count > rest.size() / sizeof(T)) return false;
+    items.resize(count);
+    for (T& item : items)
+      if (!take(item)) return false;
+    return true;
+  }
   std::vector<std::byte> values() const { return {rest.begin(), rest.end()}; }
 };
 
@@ -87,10 +102,17 @@ std::uint64_t numberOr(const std::optional<std::uint32_t>& number) {
   return number ? *number : std::numeric_limits<std::uint64_t>::max();
 }
 
-bool readLayer(ByteReader bytes, StrokeLayerChange& change) {
+bool readLayer(ByteReader bytes, bool hasPlaces, StrokeLayerChange& change) {
   using Points = StrokeLayerChange::Points;
   LayerHead head;
-  if (!bytes.take(head) || !bytes.take(change.set.name, head.nameBytes)) return false;
+  LayerCounts counts;
+  if (!bytes.take(head) || (hasPlaces && !bytes.take(counts)) || !bytes.take(change.set.name, head.nameBytes))
+    return false;
+  if (!bytes.take(change.set.held, counts.held) || !bytes.take(change.places, counts.places)) return false;
+  for (const HeldPoint& point : change.set.held)
+    if (!std::isfinite(point.strength)) return false;
+  for (const LayerPlace& place : change.places)
+    if (place.kind > LayerPlace::Kind::cut) return false;
   if (((head.isPresent | head.isHidden | head.isMerged) >> 1) != 0) return false;
   if (head.moves > static_cast<std::uint64_t>(Points::strokes) || !std::isfinite(head.strength)) return false;
   change.isPresent = head.isPresent == 1;
@@ -109,7 +131,8 @@ bool readLayer(ByteReader bytes, StrokeLayerChange& change) {
 
 std::uint64_t bytesOf(const AttributeChange& change) {
   if (const auto* const layer = std::get_if<StrokeLayerChange>(&change))
-    return layer->set.name.size() + layer->points.size() * sizeof layer->points[0];
+    return layer->set.name.size() + layer->points.size() * sizeof layer->points[0] +
+           layer->set.held.size() * sizeof(HeldPoint) + layer->places.size() * sizeof(LayerPlace);
   if (const auto* const flip = std::get_if<MaskFlip>(&change)) return flip->points.bytes();
   if (const auto* const of = std::get_if<FieldChange>(&change)) return of->points.bytes() + of->values.size();
   const auto& made = std::get<FieldPresence>(change);
@@ -119,7 +142,8 @@ std::uint64_t bytesOf(const AttributeChange& change) {
 std::vector<std::byte> bytesIn(const AttributeChange& change) {
   std::vector<std::byte> bytes;
   const auto addHead = [&](std::uint64_t layer, std::uint64_t number) {
-    addValue(bytes, ChangeHead{change.index(), layer, number});
+    const bool isLayer = std::holds_alternative<StrokeLayerChange>(change);
+    addValue(bytes, ChangeHead{isLayer ? kLayerWithPlaces : change.index(), layer, number});
   };
   if (const auto* const flip = std::get_if<MaskFlip>(&change)) {
     addHead(flip->layer, static_cast<std::uint64_t>(flip->role));
@@ -133,7 +157,10 @@ std::vector<std::byte> bytesIn(const AttributeChange& change) {
     addHead(to->layer, to->number);
     addValue(bytes, LayerHead{to->isPresent, set.isHidden, set.isMerged, set.strength, numberOr(to->open),
                               static_cast<std::uint64_t>(to->moves), set.name.size()});
+    addValue(bytes, LayerCounts{set.held.size(), to->places.size()});
     add(bytes, std::as_bytes(std::span(set.name)));
+    add(bytes, std::as_bytes(std::span(set.held)));
+    add(bytes, std::as_bytes(std::span(to->places)));
     for (const StrokeLayerPoint& point : to->points)
       addValue(bytes, LayerPoint{packedState(point.before), packedState(point.after), point.earlier});
   } else {
@@ -171,9 +198,10 @@ bool readChange(std::span<const std::byte> bytes, AttributeChange& change) {
       change = std::move(made);
       return true;
     }
-    case 3: {
+    case 3:
+    case kLayerWithPlaces: {
       StrokeLayerChange set{.number = number};
-      if (!readLayer(reader, set)) return false;
+      if (!readLayer(reader, head.kind == kLayerWithPlaces, set)) return false;
       change = std::move(set);
       return true;
     }

@@ -5,8 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "engine/cloud/morton_cells.hpp"
-#include "engine/cloud/morton_sort.hpp"
+#include "engine/cloud/morton.hpp"
 #include "engine/core/check.hpp"
 
 namespace palpate {

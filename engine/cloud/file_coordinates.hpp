@@ -1,8 +1,6 @@
 // Coordinates as in the file, where it has more digits than single precision.
 #pragma once
 
-#include <optional>
-
 #include "engine/cloud/point_cloud.hpp"
 
 namespace palpate {

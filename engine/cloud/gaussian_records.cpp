@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "engine/cloud/gaussian_columns.hpp"
@@ -16,9 +15,10 @@ namespace palpate {
 namespace {
 
 bool isGaussian(const GaussianScene& scene, std::size_t i) {
-  constexpr double kFarthest = 1e30;  // as for other clouds
+  constexpr double kMaxCoordinate = 1e30;  // as for other clouds
   const DVec3 p = scene.centers[i];
-  const bool placed = std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest;
+  const bool placed =
+      std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate && std::abs(p.z) < kMaxCoordinate;
   const auto isSized = [](const Vec3& v) { return std::isfinite(glm::dot(v, v)); };
   const float turn = glm::dot(scene.rotations[i], scene.rotations[i]);
   return placed && isSized(scene.logScales[i]) && turn > 0 && std::isfinite(turn) &&

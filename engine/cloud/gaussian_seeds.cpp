@@ -6,10 +6,9 @@
 #include <functional>
 #include <numbers>
 #include <tuple>
-#include <utility>
 
 #include "engine/cloud/counter_random.hpp"
-#include "engine/cloud/morton_sort.hpp"
+#include "engine/cloud/morton.hpp"
 #include "engine/core/parallel_collect.hpp"
 
 namespace palpate {

@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "engine/cloud/gaussian_density.hpp"
-#include "engine/cloud/gaussian_discs.hpp"
-#include "engine/cloud/morton_cells.hpp"
+#include "engine/cloud/morton.hpp"
 #include "engine/core/bare_vector.hpp"
 
 namespace palpate {

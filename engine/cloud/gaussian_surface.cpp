@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <utility>
 
 #include "engine/cloud/even_points.hpp"
 #include "engine/cloud/gaussian_sheets.hpp"

@@ -230,8 +230,8 @@ void joinParts(const SortedEdges& edges, SignGroups& groups) {
   }
 }
 
-bool topFacesDown(std::span<const SurfacePoint> surface) {
-  const auto top = std::ranges::max_element(surface, {}, [](const SurfacePoint& point) { return point.position.z; });
+bool topFacesDown(std::span<const FacingPoint> surface) {
+  const auto top = std::ranges::max_element(surface, {}, [](const FacingPoint& point) { return point.position.z; });
   return top->normal.z < 0;
 }
 
@@ -258,7 +258,7 @@ std::vector<std::uint8_t> turnsOf(std::span<const Vec3> points, std::span<const 
     const auto group = std::span(members).subspan(begin, end - begin);
     auto surface = parallelMake(group.size(), threads, [&](std::size_t n) {
       const std::uint32_t i = group[n];
-      return SurfacePoint{points[i], direct.flipped(i) ? -normals[i] : normals[i], reaches[i]};
+      return FacingPoint{points[i], direct.flipped(i) ? -normals[i] : normals[i], reaches[i]};
     });
     const bool inwards = up ? facesInwards(std::move(surface), *up, threads) : topFacesDown(surface);
     parallelFor(group.size(), threads, [&](std::size_t first, std::size_t last) {

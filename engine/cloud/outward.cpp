@@ -26,9 +26,9 @@ struct Cells {
   std::array<std::size_t, 3> count{1, 1, 1};
 
   /// At most about as many cells in a map as there are points.
-  Cells(std::span<const SurfacePoint> points, double wanted) {
+  Cells(std::span<const FacingPoint> points, double wanted) {
     DVec3 low(points.front().position), high = low;
-    for (const SurfacePoint& point : points) {
+    for (const FacingPoint& point : points) {
       low = glm::min(low, DVec3(point.position));
       high = glm::max(high, DVec3(point.position));
     }
@@ -48,7 +48,7 @@ struct Cells {
 
 /// Votes for the normals as they are, from the negative and the positive direction of an axis: sums of the shares of
 /// the normals of the points in front that face the viewer.
-std::array<double, 2> seenAlong(int axis, std::span<const SurfacePoint> points, const Cells& cells) {
+std::array<double, 2> seenAlong(int axis, std::span<const FacingPoint> points, const Cells& cells) {
   const int across = (axis + 1) % 3, down = (axis + 2) % 3;
   std::vector<std::array<std::uint32_t, 2>> front(cells.count[across] * cells.count[down], {kEmpty, kEmpty});
   for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -66,22 +66,22 @@ std::array<double, 2> seenAlong(int axis, std::span<const SurfacePoint> points, 
   return seen;
 }
 
-void dropSparse(BareVector<SurfacePoint>& surface) {
+void dropSparse(BareVector<FacingPoint>& surface) {
   std::vector<float> reaches;
   reaches.reserve(surface.size());
-  for (const SurfacePoint& point : surface) reaches.push_back(point.reach);
+  for (const FacingPoint& point : surface) reaches.push_back(point.reach);
   const auto middle = reaches.begin() + static_cast<std::ptrdiff_t>(reaches.size() / 2);
   std::ranges::nth_element(reaches, middle);
-  std::erase_if(surface, [most = kSparse * *middle](const SurfacePoint& point) { return point.reach > most; });
+  std::erase_if(surface, [most = kSparse * *middle](const FacingPoint& point) { return point.reach > most; });
 }
 
 }  // namespace
 
-bool facesInwards(BareVector<SurfacePoint> surface, UpAxis up, unsigned threads) {
+bool facesInwards(BareVector<FacingPoint> surface, UpAxis up, unsigned threads) {
   if (surface.empty()) return false;
   dropSparse(surface);
   double reach = 0;
-  for (const SurfacePoint& point : surface) reach += double{point.reach};
+  for (const FacingPoint& point : surface) reach += double{point.reach};
   const Cells cells(surface, kCell * reach / static_cast<double>(surface.size()));
   std::array<std::array<double, 2>, 3> seen;
   const unsigned used = surface.size() < kLarge ? 1 : threads;
@@ -98,7 +98,7 @@ bool facesInwards(BareVector<SurfacePoint> surface, UpAxis up, unsigned threads)
       all += weight * std::abs(seen[axis][side]);
     }
   if (std::abs(votes) > kBalanced * all) return votes < 0;
-  for (const SurfacePoint& point : surface) sum += DVec3(point.normal);
+  for (const FacingPoint& point : surface) sum += DVec3(point.normal);
   const auto most = static_cast<double>(surface.size());
   facing = glm::dot(sum, front);
   if (std::abs(facing) > kBalanced * most) return facing < 0;

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-struct SurfacePoint {
+struct FacingPoint {
   Vec3 position{0}, normal{0};
   float reach = 0;  ///< mean distance to its neighbours, model units
 };
@@ -21,6 +21,6 @@ struct SurfacePoint {
 /// a ceiling that is wider than it is high. If the votes balance, as for a wall, the surface faces frontOf(up); if it
 /// lies along that, too, the positive direction of the third axis. Points whose reach is more than three times the
 /// median do not vote. The result does not depend on `threads`.
-bool facesInwards(BareVector<SurfacePoint> surface, UpAxis up, unsigned threads);
+bool facesInwards(BareVector<FacingPoint> surface, UpAxis up, unsigned threads);
 
 }  // namespace palpate

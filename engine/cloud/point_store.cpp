@@ -1,7 +1,5 @@
 #include "engine/cloud/point_store.hpp"
 
-#include <algorithm>
-
 #include "engine/core/checksum.hpp"
 
 namespace palpate {

@@ -1,7 +1,6 @@
 #include "engine/cloud/voxel_sample.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <span>

@@ -1,4 +1,4 @@
-#include "engine/cloud/morton_cells.hpp"
+#include "engine/cloud/morton.hpp"
 
 #include <algorithm>
 #include <atomic>

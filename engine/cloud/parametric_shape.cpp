@@ -1,7 +1,4 @@
-#include "engine/cloud/area_table.hpp"
-
-#include <algorithm>
-#include <cmath>
+#include "engine/cloud/parametric_shape.hpp"
 
 #include "engine/core/parallel.hpp"
 
