@@ -1,7 +1,5 @@
 #include "engine/contact/surface.hpp"
 
-#include <cmath>
-
 namespace palpate {
 
 // The variances are computed here with this rounding, which differs slightly from surfaceFrom()'s own.

@@ -1,6 +1,5 @@
 #include "engine/gpu/compute_pipeline.hpp"
 
-#include <algorithm>
 #include <array>
 
 #include "engine/core/check.hpp"

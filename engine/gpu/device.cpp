@@ -1,7 +1,6 @@
 #include "engine/gpu/device.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <map>

@@ -1,13 +1,10 @@
 #include "engine/gpu/device_choice.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cctype>
 #include <charconv>
 #include <map>
-#include <string>
-#include <vector>
 
 #include "engine/core/unknown_name.hpp"
 

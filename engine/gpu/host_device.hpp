@@ -3,10 +3,9 @@
 
 #include <functional>
 #include <span>
-#include <vector>
 
 #include "engine/gpu/device_choice.hpp"
-#include "engine/gpu/validation.hpp"
+#include "engine/gpu/instance.hpp"
 
 namespace palpate {
 

@@ -3,7 +3,6 @@
 
 #include <volk.h>
 
-#include <string>
 #include <string_view>
 
 #include "engine/core/error.hpp"

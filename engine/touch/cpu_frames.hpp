@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <span>
 
 #include "engine/core/background_task.hpp"
 #include "engine/motion/cloud_source.hpp"

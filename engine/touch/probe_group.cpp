@@ -1,9 +1,6 @@
 #include "engine/touch/probe_group.hpp"
 
-#include <algorithm>
-
 #include "engine/core/error.hpp"
-#include "engine/core/held_contact.hpp"
 
 namespace palpate {
 

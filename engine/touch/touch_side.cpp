@@ -7,7 +7,7 @@
 #include "engine/core/error.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/touch/part_options.hpp"
-#include "engine/touch/proxy_exchange.hpp"
+#include "engine/touch/question_pipeline.hpp"
 
 namespace palpate {
 
