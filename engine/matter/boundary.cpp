@@ -1,6 +1,5 @@
 #include "engine/matter/boundary.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>

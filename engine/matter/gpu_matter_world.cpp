@@ -1,7 +1,6 @@
 #include "engine/matter/gpu_matter_world.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <numeric>
 
 #include "engine/core/check.hpp"

@@ -9,7 +9,6 @@
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/matter/gpu_tools.hpp"
-#include "engine/matter/soft_model.hpp"
 #include "engine/matter/soft_scene.hpp"
 
 namespace palpate {

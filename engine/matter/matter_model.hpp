@@ -1,7 +1,6 @@
 // A static model in water or sand: a closed cloud.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>

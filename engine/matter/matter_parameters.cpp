@@ -1,8 +1,6 @@
 #include "engine/matter/matter_parameters.hpp"
 
-#include <algorithm>
 #include <array>
-#include <string>
 
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"

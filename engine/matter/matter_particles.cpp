@@ -1,10 +1,7 @@
 #include "engine/matter/matter_particles.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
-
-#include "shaders/shared/matter.h"
 
 namespace palpate {
 

@@ -4,7 +4,6 @@
 
 #include "engine/io/chunked_file.hpp"
 #include "engine/matter/matter_model.hpp"
-#include "engine/matter/matter_scene_json.hpp"
 
 namespace palpate {
 

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <string_view>
 
+#include "engine/io/setting_json.hpp"
 #include "engine/matter/matter_scene.hpp"
+#include "engine/matter/scene_settings.hpp"
 
 namespace palpate {
 
@@ -17,5 +19,9 @@ MatterScene parseMatterScene(std::string_view json);
 /// Reads a scene from a file, and checks with planOf() that it can be simulated. "model" is relative to the file; the
 /// scene stores the resulting path. Throws FileError with the field.
 MatterScene readMatterScene(const std::filesystem::path& file);
+
+/// A scene of matter as a part of a JSON text.
+/// Reads a scene; settings that are missing have the defaults of its kind of matter. Throws ConfigError.
+MatterScene readScene(std::string_view path, const SettingsJson& json);
 
 }  // namespace palpate

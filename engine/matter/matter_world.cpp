@@ -24,6 +24,10 @@ MatterParticles::Config particlesOf(const MatterScene& scene, const MatterPlan& 
 
 }  // namespace
 
+std::unique_ptr<MatterLaw> lawOf(const MatterScene& scene, const MatterPlan& plan) {
+  return scene.matter == Matter::sand ? sandLaw(scene, plan) : waterLaw(scene, plan);
+}
+
 MatterWorld::MatterWorld(const MatterScene& scene, const MatterOptions& options)
     : MatterWorld(scene, options, placesAtRest(scene, onMachine(options, hostMemory_bytes()).memory_bytes)) {}
 

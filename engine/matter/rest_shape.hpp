@@ -1,9 +1,6 @@
 // The rest shape of a soft body: its lattice as changed by sculpting.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 

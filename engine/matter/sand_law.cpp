@@ -3,11 +3,10 @@
 // but for the sign.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
-#include "engine/matter/matter_law.hpp"
 #include "engine/matter/matter_rules.hpp"
+#include "engine/matter/matter_world.hpp"
 
 namespace palpate {
 

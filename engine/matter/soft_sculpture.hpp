@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/core/shape_strokes.hpp"
-#include "engine/matter/soft_surface.hpp"
+#include "engine/matter/soft_press.hpp"
 
 namespace palpate {
 

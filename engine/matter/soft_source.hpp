@@ -11,13 +11,21 @@
 #include "engine/core/latest_value.hpp"
 #include "engine/core/shape_strokes.hpp"
 #include "engine/core/tool_shape.hpp"
+#include "engine/edit/placed_brush.hpp"
 #include "engine/matter/contact_keeper.hpp"
 #include "engine/matter/matter_simulation.hpp"
+#include "engine/matter/soft_sculpture.hpp"
 #include "engine/matter/stepped_control.hpp"
 #include "engine/motion/cloud_source.hpp"
 #include "engine/touch/touch_backend.hpp"
 
 namespace palpate {
+
+/// A brush on a soft body.
+/// One tick of a brush that works on soft bodies (shared::kShapesBodies), by the formulas for any cloud: the body
+/// yields by the displacements that the brush would give its surface positions, as pressed in by the hand. A unit of
+/// the brush's lengths is `unit_m`. Returns the measure of the surface under the tool.
+SurfaceMeasure sculpt(SoftSculpture& sculpture, const PlacedBrush& brush, double unit_m);
 
 /// Maximum number of hands and points of the first hand's tool.
 inline constexpr std::size_t kMaxTouches = kMaxToolPoints + kMaxHands;

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "engine/core/shape_strokes.hpp"
@@ -29,7 +28,7 @@ struct HeldSoftSource {
 /// that the body is pressed by the spring and damper that each hand feels. If an answer's points are older than the
 /// tick, as against the clock, they are where they would have moved had the hand continued straight; the surface
 /// yields, according to its compliance, to the hand's depth beyond that. A brush changes the rest shape of the body
-/// (soft_brush.hpp), whose strokes are changes of the shape, and not of points.
+/// (soft_source.hpp), whose strokes are changes of the shape, and not of points.
 class SoftTouch final : private HeldSoftSource, public TouchDecorator, private ShapeStrokes {
  public:
   /// `surface` feels the points of `source`, as its own source.

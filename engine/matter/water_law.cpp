@@ -9,8 +9,8 @@
 
 #include "engine/core/widest_lanes.hpp"
 #include "engine/matter/lanes.hpp"
-#include "engine/matter/matter_law.hpp"
 #include "engine/matter/matter_rules.hpp"
+#include "engine/matter/matter_world.hpp"
 
 namespace palpate {
 

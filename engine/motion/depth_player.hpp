@@ -1,15 +1,71 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
+#include "engine/core/camera_frustum.hpp"
 #include "engine/motion/depth_read_ahead.hpp"
-#include "engine/motion/play_counts.hpp"
-#include "engine/motion/playback_time.hpp"
 
 namespace palpate {
+
+/// Counts of a depth camera's frames so far.
+struct PlayCounts {
+  std::uint64_t played = 0;   ///< newest frame at a requested time
+  std::uint64_t lost = 0;     ///< could not be read
+  std::uint64_t dropped = 0;  ///< not played: a later one was due or already received
+  std::string lastLoss;       ///< reason of the last loss; empty: none
+  /// Live cameras: session time of the last frame, if that is more than a second ago or no more frames will follow.
+  std::optional<double> silentSince_s;
+  double staysTrue_s = std::numeric_limits<double>::infinity();  ///< live cameras: DepthStream::staysTrue_s()
+};
+
+/// View of the frame that a depth camera plays.
+struct PlayedView {
+  CameraFrustum frustum;     ///< metres, in the world of the poses
+  std::uint64_t number = 0;  ///< frame number (DepthFrame::number)
+};
+
+/// Maps session time to the position in a recording, which advances at a speed or is paused. Both in seconds.
+class PlaybackTime {
+ public:
+  explicit PlaybackTime(double speed) : speed_(speed) {}
+
+  double placeAt(double time_s) const { return isPaused_ ? begin_s_ : begin_s_ + speed_ * (time_s - since_s_); }
+  /// Session time at which a position is due.
+  double timeOf(double place_s) const { return since_s_ + (place_s - begin_s_) / speed_; }
+
+  // Take effect at that session time.
+  void pause(double time_s) {
+    goTo(placeAt(time_s), time_s);
+    isPaused_ = true;
+  }
+  void play(double time_s) {
+    goTo(placeAt(time_s), time_s);
+    isPaused_ = false;
+  }
+  void setSpeed(double speed, double time_s) {
+    goTo(placeAt(time_s), time_s);
+    speed_ = speed;
+  }
+  /// Only while paused.
+  void stepTo(double place_s) { begin_s_ = place_s; }
+  bool isPaused() const { return isPaused_; }
+  double speed() const { return speed_; }
+
+ private:
+  void goTo(double place_s, double time_s) {
+    begin_s_ = place_s;
+    since_s_ = time_s;
+  }
+
+  double speed_;
+  double since_s_ = 0, begin_s_ = 0;  // at session time since_s_ position begin_s_ is due
+  bool isPaused_ = false;
+};
 
 struct PlayOptions {
   double speed = 1;   ///< recorded streams: recording seconds per session second; above 0

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <vector>
 
 #include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"

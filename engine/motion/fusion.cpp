@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "engine/core/error.hpp"
+#include "engine/core/parallel.hpp"
 
 namespace palpate {
 
@@ -136,6 +137,17 @@ DVec3 mapOriginFor(const CameraPose& pose) {
   const DVec3 c = pose.centre;
   if (glm::length(c) < kNearZero_m) return DVec3(0);
   return {std::round(c.x), std::round(c.y), std::round(c.z)};
+}
+
+void findPixelSurfaces(const FrameImages& images, const FusionOptions& options,
+                       std::vector<shared::PixelSurface>& surfaces) {
+  const shared::DepthSensor sensor = sensorOf(images.camera, options);
+  surfaces.resize(images.depths.size());
+  parallelFor(surfaces.size(), options.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t pixel = begin; pixel < end; ++pixel)
+      surfaces[pixel] = pixelSurface(images, sensor, static_cast<int>(pixel % images.camera.width),
+                                     static_cast<int>(pixel / images.camera.width));
+  });
 }
 
 }  // namespace palpate

@@ -1,6 +1,5 @@
 #include "engine/motion/pose_search_pass.hpp"
 
-#include "engine/core/check.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/queue.hpp"
 #include "shaders/compiled.hpp"

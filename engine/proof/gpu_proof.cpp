@@ -1,7 +1,6 @@
 #include "engine/proof/gpu_proof.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <numeric>
 #include <random>
 

@@ -135,8 +135,10 @@ Camera alongCameras(std::span<const Camera> cameras, double at) {
 }
 
 Camera recentred(const Camera& camera, const DVec3& point) {
+  const DVec3 forward = camera.axes().forward;
+  const double depth = glm::dot(point - camera.eye, forward);
   Camera result = camera;
-  result.eye += point - camera.target;
+  result.eye = point - (depth > 0 ? depth : glm::distance(camera.eye, camera.target)) * forward;
   result.target = point;
   return result;
 }

@@ -25,7 +25,7 @@ Camera zoomed(const Camera& camera, const DVec3& point, double factor, double ne
 /// Orthographic, or a pinhole camera, that shows as much at the target.
 Camera projecting(const Camera& camera, bool orthographic);
 
-/// Looks at `point` from the same direction and distance.
+/// Looks at `point` from the same direction, and shows it as large as before. Twice is as once.
 Camera recentred(const Camera& camera, const DVec3& point);
 
 /// Looks at the target along `axis` (0, 1, 2: x, y, z) from its positive side if `fromAbove`, else from its negative

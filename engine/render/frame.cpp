@@ -68,7 +68,8 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
                                  .side = options.shown.value_or(about.bounds).longestSide()}});
 }
 
-void Frame::record(CommandList& list, const DrawnMesh& mesh, const Camera& camera, const FrameOptions& options) {
+void Frame::record(CommandList& list, DrawnMesh mesh, const Camera& camera, const FrameOptions& options) {
+  mesh.hasColors &= options.color != ColorBy(ColorSource::material);
   const Drawn about = drawn(mesh);
   const std::uint32_t tiles = tilesOf(about, camera, size_px().y);
   const RasterTarget target = targetWith(about, camera, options, tiles);

@@ -40,7 +40,7 @@ class Frame {
 
   void record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options);
   /// The same for a mesh, which is lit by its vertices' normals; ignores the options for splats.
-  void record(CommandList& list, const DrawnMesh& mesh, const Camera& camera, const FrameOptions& options);
+  void record(CommandList& list, DrawnMesh mesh, const Camera& camera, const FrameOptions& options);
 
   /// The last completed frame; waits for the throughput queue.
   Image readColor() const;

@@ -164,7 +164,7 @@ Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options) {
               .closeHoles = options.closeHoles,
               .inSample = cloud.count(),
               .everyPoint = options.everyPoint || options.raster == Raster::hardware};
-  if (cloud.hasColors()) drawn.shown |= shared::kShownColors;
+  if (cloud.hasColors() && options.color != ColorBy(ColorSource::material)) drawn.shown |= shared::kShownColors;
   const auto show = [&](const Buffer* buffer, std::uint32_t what, DeviceAddress& address) {
     if (!buffer) return;
     drawn.shown |= what;

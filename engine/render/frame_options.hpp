@@ -32,7 +32,8 @@ enum class ColorSource : std::uint32_t {
   rgb = shared::kColorByFile,  ///< the file's colours, or one material if it has none
   normal = shared::kColorByNormal,
   depth = shared::kColorByDepth,
-  height = shared::kColorByHeight,  ///< along FrameOptions::up
+  height = shared::kColorByHeight,      ///< along FrameOptions::up
+  material = shared::kColorByMaterial,  ///< that of the material, whatever colours the points have
 };
 
 /// Colours of numbers.
@@ -87,10 +88,12 @@ enum class Raster : std::uint32_t {
 inline constexpr std::uint32_t kMaxSide_px = 16'384;
 
 /// Names on the command line.
-inline constexpr std::array<std::pair<std::string_view, ColorSource>, 4> kColorNames{{{"rgb", ColorSource::rgb},
-                                                                                      {"normal", ColorSource::normal},
-                                                                                      {"depth", ColorSource::depth},
-                                                                                      {"height", ColorSource::height}}};
+inline constexpr std::array<std::pair<std::string_view, ColorSource>, 5> kColorNames{
+    {{"rgb", ColorSource::rgb},
+     {"material", ColorSource::material},
+     {"normal", ColorSource::normal},
+     {"depth", ColorSource::depth},
+     {"height", ColorSource::height}}};
 
 inline constexpr std::array<std::pair<std::string_view, ColorMap>, 6> kColorMaps{{{"viridis", ColorMap::viridis},
                                                                                   {"turbo", ColorMap::turbo},

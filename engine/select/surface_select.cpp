@@ -107,6 +107,24 @@ PointBits pointsInBalls(std::span<const PointState> points, const PointBits& amo
   });
 }
 
+std::vector<std::uint8_t> weightsInBalls(std::span<const PointState> points, const PointBits& of,
+                                         std::span<const Vec3> centres, double radius, std::uint32_t falloff,
+                                         unsigned threads) {
+  std::vector<std::uint8_t> weights(points.size());
+  if (centres.empty() || !(radius > 0)) return weights;
+  const Cells cells({centres.begin(), centres.end()}, {}, radius, threads);
+  parallelFor(points.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!of.test(i)) continue;
+      double nearest = 1;
+      cells.forEachNear(points[i].position, [&](std::size_t, double r) { nearest = std::min(nearest, r); });
+      const double share = nearest < 1 ? std::pow(1 - nearest * nearest, falloff) : 0;
+      weights[i] = static_cast<std::uint8_t>(std::lround(share * PointLock::kWhole));
+    }
+  });
+  return weights;
+}
+
 PointBits grown(std::span<const PointState> points, const PointBits& among, const PointBits& of, double radius,
                 unsigned threads) {
   return of | nearTo(points, among - of, of, radius, threads);

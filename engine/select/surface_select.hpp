@@ -19,6 +19,12 @@ std::optional<std::size_t> nearestPoint(std::span<const PointState> points, cons
 PointBits pointsInBalls(std::span<const PointState> points, const PointBits& among, std::span<const Vec3> centres,
                         double radius, unsigned threads = 0);
 
+/// Weights of locks by number (PointLock::kWhole) of `of`, at r times `radius` from the nearest of the positions: the
+/// share (1 - r^2)^falloff of the whole, as a brush has it there. All others have none.
+std::vector<std::uint8_t> weightsInBalls(std::span<const PointState> points, const PointBits& of,
+                                         std::span<const Vec3> centres, double radius, std::uint32_t falloff,
+                                         unsigned threads = 0);
+
 /// `of`, and those of `among` nearer than `radius` to one of it.
 PointBits grown(std::span<const PointState> points, const PointBits& among, const PointBits& of, double radius,
                 unsigned threads = 0);

@@ -2,7 +2,6 @@
 // raised it, turned it over, or went where it must not. In double precision and independent of the code that edits.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The front point of the map in each pixel: the index image. One invocation for each slot of the live cloud, in three
-// rounds, since atomics on 64 bits are not required. engine/motion/map_pairs.cpp does the same on the host.
+// rounds, since atomics on 64 bits are not required. engine/motion/frame_fusion.cpp does the same on the host.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/fusion_buffers.glsl"
 #include "shaders/shared/icp_passes.h"

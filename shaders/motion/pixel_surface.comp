@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The surface that each pixel of a depth frame sees. engine/motion/pixel_surface.cpp does the same on the host.
+// The surface that each pixel of a depth frame sees. engine/motion/fusion.cpp does the same on the host.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/fusion_buffers.glsl"
 

@@ -18,13 +18,11 @@ bool isDisc(RenderFrames frame, uint point) { return point >= frame.at[0].firstD
 // A colour of a point, as its lock and its selection tint it.
 vec3 tinted(RenderFrames frame, uint point, vec3 color) {
   const uint shown = frame.at[0].shown;
-  if ((shown & kShownLock) != 0) {
-    const uint weight = frame.at[0].lock.at[point / 4] >> 8 * (point % 4) & 255;
-    color = mix(color, kLockColor, kLockShare * float(weight) / 255.0);
-  }
-  if ((shown & kShownSelected) != 0 && isIn(frame.at[0].selected.at[point / 32], point))
-    color = mix(color, kSelectedColor, kSelectedShare);
-  return color;
+  const bool isSelected = (shown & kShownSelected) != 0 && isIn(frame.at[0].selected.at[point / 32], point);
+  if (isSelected) color = mix(color, kSelectedColor, kSelectedShare);
+  if ((shown & kShownLock) == 0) return color;
+  const uint weight = frame.at[0].lock.at[point / 4] >> 8 * (point % 4) & 255;
+  return mix(color, isSelected ? kSelectedLockColor : kLockColor, kLockShare * float(weight) / 255.0);
 }
 
 // RGBA8: the base colour of the material for what is not painted.

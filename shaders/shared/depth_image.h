@@ -1,7 +1,7 @@
 // What a pixel of a depth image measures of its surface: position, normal and accuracy. The normal is that of the plane
 // that fits the depths of a square of pixels best by least squares; in inverse depth the fit is linear, since the image
 // of a plane is (a square of 3 x 3 gives central differences). Depths beyond a jump belong to another surface and are
-// left out. The loops over the square are in engine/motion/pixel_surface.cpp and shaders/motion/pixel_surface.comp.
+// left out. The loops over the square are in engine/motion/fusion.cpp and shaders/motion/pixel_surface.comp.
 #ifndef PALPATE_SHARED_DEPTH_IMAGE_H
 #define PALPATE_SHARED_DEPTH_IMAGE_H
 #include "shaders/shared/real.h"

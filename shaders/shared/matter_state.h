@@ -1,4 +1,4 @@
-// State of a simulation of matter on a GPU, in memory (engine/matter/matter_memory.hpp). Particles are in slots, in the
+// State of a simulation of matter on a GPU, in memory (engine/matter/matter_passes.hpp). Particles are in slots, in the
 // order of their cells; all arrays by slot except the lists have one entry for each.
 #ifndef PALPATE_SHARED_MATTER_STATE_H
 #define PALPATE_SHARED_MATTER_STATE_H

@@ -78,6 +78,7 @@ const uint kColorByFile = 0;
 const uint kColorByNormal = 1;
 const uint kColorByDepth = 2;
 const uint kColorByHeight = 3;
+const uint kColorByMaterial = 4;
 
 // How the surface sends light to the eye.
 const uint kMaterialClay = 0;
@@ -99,6 +100,8 @@ const float kSelectedShare = 0.6f;
 // The same of points that are wholly locked.
 const vec3 kLockColor = vec3(0.12f, 0.14f, 0.2f);
 const float kLockShare = 0.7f;
+// In its place for those that are selected, too: of the hue of the selection, as dark as a lock, so that both are seen.
+const vec3 kSelectedLockColor = vec3(0.36f, 0.14f, 0.0f);
 
 // A pinhole camera, or an orthographic one. Eye space: x right, y up, depth along `forward`; pixel (x, y) has its
 // centre at (x + 0.5, y + 0.5), y downwards. Positions are model units relative to the cloud's origin.
