@@ -1,12 +1,84 @@
 // A session that is built for feeling only, and built again to be recorded or sculpted.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "haptics/library/joined_part.hpp"
+#include "haptics/library/objects.hpp"
+#include "haptics/path.hpp"
+#include "haptics/session/placed_clouds.hpp"
 #include "haptics/session/session.hpp"
 
 namespace palpate::library {
+
+/// When the next path of a session begins, and which hands keep their contact until then.
+/// Where points move, time continues from path to path; elsewhere each path begins at 0. All but askReset() for one
+/// thread at a time.
+class PathTime {
+ public:
+  /// Time of the next tick, s.
+  double begin_s() const { return next_s_; }
+  /// The path, which begins at 0, at that time.
+  Path later(const Path& path) const;
+  /// Whether a hand begins where it ended, and so keeps its contact.
+  bool goesOn(std::size_t hand, const Path& path, const ModelScale& scale) const;
+
+  /// The next path begins at 0.
+  void restart();
+  /// The same, once that path begins. For any thread.
+  void askReset() { reset_ = true; }
+  bool takeReset() { return reset_.exchange(false); }
+  /// The hands have moved over points that move.
+  void ended(const ServoResult& result, double tick_s);
+  /// After a tick of pp_touch(): its contact does not continue in the next path.
+  void ticked(double next_s);
+
+ private:
+  double next_s_ = 0;
+  std::vector<DVec3> hips_;  // of each hand at the end of the last path
+  std::atomic<bool> reset_ = false;
+};
+
+/// The log that the next path, or live session, is recorded to.
+class NextLog {
+ public:
+  void set(const std::string& file) { file_ = file; }
+  explicit operator bool() const { return file_.has_value(); }
+
+  /// Begins to record, if a file was set. `log` receives what cannot be recorded, and must outlive the recording.
+  void begin(Session& session, const OpenHand& hand, const RunOptions& run, Log& log) {
+    if (!file_) return;
+    const std::string file = *std::exchange(file_, std::nullopt);
+    session.record(
+        file, hand, [&log](const std::string& what) { log.warn("{}", what); }, run);
+  }
+
+ private:
+  std::optional<std::string> file_;
+};
+
+/// What a session of the C interface is of, and how its options configure it.
+/// Model of a session: points of the program, or else what `model` describes.
+struct Subject {
+  ModelConfig model;
+  const PointCloud* cloud = nullptr;
+  std::vector<PlacedCloud> clouds;          ///< several, instead of `cloud`
+  std::optional<pp_frames_options> frames;  ///< points that the program moves frame by frame
+  std::optional<JoinSubject> join;          ///< how this program takes part in the session that the model joins
+
+  bool hasArrays() const { return cloud || !clouds.empty(); }
+};
+
+/// Throws UsageError for options that are out of bounds.
+SessionConfig configFrom(const Subject& subject, const pp_session_options& options);
+
+/// Throws Error, such as for a model without points.
+Model modelFrom(const Subject& subject, const SessionConfig& config, const ModelLoading& loading);
 
 class BuiltSession {
  public:

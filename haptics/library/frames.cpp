@@ -1,5 +1,4 @@
 // The C interface: clouds whose frames the program provides, and recorded depth cameras.
-#include <utility>
 
 #include "engine/io/rgbd_folder.hpp"
 #include "haptics/library/held_session.hpp"

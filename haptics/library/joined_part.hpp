@@ -3,7 +3,6 @@
 
 #include <palpate/palpate.h>
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -2,9 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <typeinfo>
 
+#include "engine/core/counted.hpp"
+#include "engine/core/error.hpp"
 #include "haptics/devices/path_device.hpp"
+#include "haptics/devices/shared_library.hpp"
+#include "haptics/hand_force.hpp"
+#include "haptics/library/callbacks.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/options.hpp"
 #include "haptics/session/devices.hpp"
@@ -12,6 +19,31 @@
 namespace palpate::library {
 
 namespace {
+
+pp_force_law loaded(const std::string& library) {
+  const std::size_t colon = library.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == library.size())
+    throw UsageError("law: '{}' is not LIBRARY:FUNCTION, as in libmine.so:law", library);
+  const std::string file = library.substr(0, colon), name = library.substr(colon + 1);
+  const LoadedLibrary opened = loadLibrary(file);
+  if (!opened.handle) throw Error("law: {}", opened.error);
+  void* const function = functionIn(opened.handle, name);
+  if (!function) throw Error("law: {} has no function {}", file, name);
+  return reinterpret_cast<pp_force_law>(function);
+}
+
+// The event that a pp_contact or a pp_tick reports.
+template <class Felt>
+pp_contact_event eventOf(std::size_t hand, double t_s, const Felt& felt) {
+  pp_contact_event event{};
+  event.t_s = t_s;
+  std::ranges::copy(felt.proxy, event.proxy);
+  std::ranges::copy(felt.normal, event.normal);
+  std::ranges::copy(felt.force_N, event.force_N);
+  event.hand = static_cast<std::uint32_t>(hand);
+  event.begins = 1;
+  return event;
+}
 
 HandSource opened(const pp_live_options& options, const LiveHands::Surroundings& with, double rate_Hz, bool first) {
   // Only the first hand's device may call the ticks.
@@ -64,6 +96,78 @@ double rateFrom(const pp_live_options& options, const Session& session) {
 }
 
 }  // namespace
+
+pp_contact contactOf(const Contact& contact, const Pose& pose, const DVec3& force_N, double mm_per_unit) {
+  pp_contact told{};
+  putVector(contact.proxy, told.proxy);
+  putVector(contact.normal, told.normal);
+  putVector(force_N, told.force_N);
+  told.penetration_mm = contact.touching ? mm_per_unit * glm::length(contact.proxy - pose.hip) : 0;
+  told.neighbours = contact.neighbours;
+  told.contact = contact.touching;
+  told.fresh = contact.fresh;
+  told.valid = contact.valid;
+  told.age_s = dataAge_s(contact, pose.time_s);
+  return told;
+}
+
+ForceFunction::ForceFunction(pp_force_law law, void* user, const std::string& library, double mm_per_unit)
+    : law_(library.empty() ? law : loaded(library)), user_(user), mm_per_unit_(mm_per_unit) {}
+
+DVec3 ForceFunction::call(void* user, const Contact& contact, const Pose& pose, double dt_s,
+                          const DVec3& usual_N) noexcept {
+  const auto& self = *static_cast<const ForceFunction*>(user);
+  pp_pose told{};
+  told.t_s = pose.time_s;
+  putVector(pose.hip, told.hip);
+  told.no_edit = !pose.sculpts;
+  const pp_contact answer = contactOf(contact, pose, usual_N, self.mm_per_unit_);
+  double force_N[3]{};
+  self.law_(self.user_, &told, &answer, dt_s, force_N);
+  const DVec3 given_N(force_N[0], force_N[1], force_N[2]);
+  if (std::isfinite(glm::length(given_N))) return given_N;
+  if (self.faults_->count.fetch_add(1) == 0) self.faults_->first_s = pose.time_s;
+  return DVec3(std::numeric_limits<double>::quiet_NaN());  // no force, as at any fault
+}
+
+std::optional<std::string> ForceFunction::takeFault() {
+  const std::uint64_t count = faults_->count.exchange(0);
+  if (count == 0) return std::nullopt;
+  return fmt::format("law: gave a force that is not finite at {}, first at {:.3f} s; there was no force then",
+                     counted(count, "tick"), faults_->first_s.load());
+}
+
+void ContactEvents::listen(pp_contact_function function, void* user) {
+  function_ = function;
+  user_ = user;
+  last_ = {};
+}
+
+void ContactEvents::felt(std::size_t hand, double t_s, const pp_contact& contact) {
+  if (function_) tell(hand, contact.contact && contact.valid, eventOf(hand, t_s, contact));
+}
+
+void ContactEvents::felt(std::size_t hand, const pp_tick& tick) {
+  if (function_) tell(hand, tick.contact && tick.valid, eventOf(hand, tick.t_s, tick));
+}
+
+void ContactEvents::tell(std::size_t hand, bool touches, const pp_contact_event& now) {
+  last_s_ = now.t_s;
+  pp_contact_event& last = last_[hand];
+  const bool touched = last.begins != 0;
+  if (touches) last = now;
+  if (touches == touched) return;
+  last.begins = touches;
+  pp_contact_event event = last;
+  event.t_s = now.t_s;
+  const InCallback inside;
+  function_(user_, &event);
+}
+
+void ContactEvents::endAll() {
+  for (std::size_t hand = 0; hand < last_.size(); ++hand)
+    if (function_ && last_[hand].begins) tell(hand, false, {.t_s = last_s_});
+}
 
 pp_tick tickOf(const TraceRow& row) {
   pp_tick tick{};

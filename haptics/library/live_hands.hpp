@@ -3,16 +3,71 @@
 
 #include <palpate/palpate.h>
 
+#include <array>
 #include <atomic>
+#include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "haptics/library/contact_events.hpp"
-#include "haptics/library/force_function.hpp"
+#include "haptics/force_law.hpp"
 #include "haptics/session/hand_source.hpp"
 #include "haptics/session/session.hpp"
 
 namespace palpate::library {
+
+/// A force law of the program, as a C function or loaded from a library.
+class ForceFunction {
+ public:
+  ForceFunction() = default;
+  /// `library`: "libmine.so:function", instead of `law`; empty: none. Throws UsageError, and Error with the loader's
+  /// message.
+  ForceFunction(pp_force_law law, void* user, const std::string& library, double mm_per_unit);
+
+  /// How often the law has given a force that is not a finite number since the last call, in words.
+  std::optional<std::string> takeFault();
+
+  /// Valid while this object is not moved; empty if the program has no law.
+  CustomForce custom() { return law_ ? CustomForce{&call, this} : CustomForce{}; }
+
+ private:
+  static DVec3 call(void* user, const Contact& contact, const Pose& pose, double dt_s, const DVec3& usual_N) noexcept;
+
+  pp_force_law law_ = nullptr;
+  void* user_ = nullptr;
+  double mm_per_unit_ = 1;
+  struct Faults {
+    std::atomic<std::uint64_t> count = 0;
+    std::atomic<double> first_s = 0;  // of those since the last call
+  };
+  std::unique_ptr<Faults> faults_ = std::make_unique<Faults>();
+};
+
+/// The answer to a pose, as the program receives it.
+pp_contact contactOf(const Contact& contact, const Pose& pose, const DVec3& force_N, double mm_per_unit);
+
+/// Beginning and end of contacts, for the program's function.
+/// Calls the program's function where a hand comes into contact or leaves it. Allocates nothing. Throws what the
+/// function throws.
+class ContactEvents {
+ public:
+  /// From the next tick on; null: no function.
+  void listen(pp_contact_function function, void* user);
+  /// One tick of a hand.
+  void felt(std::size_t hand, double t_s, const pp_contact& contact);
+  void felt(std::size_t hand, const pp_tick& tick);
+  /// Ends all contacts, at the time of the last tick.
+  void endAll();
+
+ private:
+  void tell(std::size_t hand, bool touches, const pp_contact_event& now);
+
+  pp_contact_function function_ = nullptr;
+  void* user_ = nullptr;
+  double last_s_ = 0;
+  std::array<pp_contact_event, PP_MAX_HANDS> last_{};  // last tick in contact; begins is 1 while that lasts
+};
 
 pp_tick tickOf(const TraceRow& row);
 

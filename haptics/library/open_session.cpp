@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "engine/edit/history.hpp"
 #include "haptics/crash_stop.hpp"

@@ -15,16 +15,11 @@
 #include "engine/core/clock.hpp"
 #include "haptics/library/built_session.hpp"
 #include "haptics/library/claims.hpp"
-#include "haptics/library/contact_events.hpp"
-#include "haptics/library/force_function.hpp"
 #include "haptics/library/joined_part.hpp"
 #include "haptics/library/live_hands.hpp"
 #include "haptics/library/messages.hpp"
 #include "haptics/library/moving_frames.hpp"
-#include "haptics/library/next_log.hpp"
-#include "haptics/library/path_time.hpp"
 #include "haptics/library/session_views.hpp"
-#include "haptics/library/subject.hpp"
 
 namespace palpate::library {
 

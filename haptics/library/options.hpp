@@ -4,7 +4,6 @@
 #include <palpate/palpate.h>
 
 #include <cstring>
-#include <optional>
 #include <string>
 #include <string_view>
 

@@ -1,6 +1,5 @@
 // The C interface: several clouds in the space of one session.
 #include <algorithm>
-#include <cmath>
 
 #include "engine/core/tool_shape.hpp"
 #include "haptics/library/held_session.hpp"

@@ -1,7 +1,6 @@
 // The C interface: nearest positions, ray casts, and the rows that points come from.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <span>
 
 #include "engine/core/parallel.hpp"

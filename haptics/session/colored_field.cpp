@@ -14,8 +14,10 @@ namespace {
 
 constexpr Setting<ColorConfig> kColor[]{
     {"by", &ColorConfig::by, "--color-by,--color",
-     "rgb (of the file, else one material), normal, depth, height (with a legend), or a field of the points, as "
-     "intensity, classification, z or roughness (with a legend; grey: no number)"},
+     "rgb (of the file, else of the material), material (its own, whatever the file has), normal, depth, height (with "
+     "a "
+     "legend), or a field of the points, as intensity, classification, z or roughness (with a legend; grey: no "
+     "number)"},
     {"map", words<&ColorConfig::map, kColorMapChoices>(), "--color-map",
      "colours of numbers: viridis, turbo, grey, red-blue (white in the middle), classes (of LAS), terrain (blue, "
      "green, "

@@ -173,7 +173,8 @@ void EditRelay::noteLayer(StrokeLayerChange change, EditMark::Kind kind) {
 
 void EditRelay::slide(StrokeLayerChange change) {
   catchUp();
-  const std::span<const PointChange> changes = history_->slide(change);
+  const PointLock lock = attributes_.lock(cloud_, history_->points());
+  const std::span<const PointChange> changes = history_->slide(change, &lock);
   if (changes.empty()) {
     change.moves = StrokeLayerChange::Points::none;
     noteLayer(change, EditMark::Kind::attribute);

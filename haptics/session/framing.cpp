@@ -43,7 +43,9 @@ FrameOptions frameOptionsOf(const Model& model, UpAxis up, const ColorConfig& co
   options.gaussians = drawsGaussians(light.gaussians, model.cloud, picture.barePoints);
   options.up = directionOf(up);
   options.shown = model.shown;
-  options.light = lightOf(light, model, picture);
+  LightFor shown = picture;
+  shown.ownColors = options.color != ColorBy(ColorSource::material);
+  options.light = lightOf(light, model, shown);
   options.particles = particlesOf(model);
   return options;
 }

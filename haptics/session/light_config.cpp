@@ -32,7 +32,8 @@ constexpr Setting<LightConfig> kLight[]{
 std::span<const Setting<LightConfig>> settingsOf(const LightConfig*) { return kLight; }
 
 Light lightOf(const LightConfig& config, const Model& model, const LightFor& picture) {
-  const bool isBareScan = model.as<StillPoints>() && model.cloud.hasColors() && areNormalsEstimated(model.cloud);
+  const bool isBareScan =
+      picture.ownColors && model.as<StillPoints>() && model.cloud.hasColors() && areNormalsEstimated(model.cloud);
   const bool isWater = model.fluid() && model.fluid()->isWater && !picture.barePoints;
   const Material found = isWater ? Material::water : isBareScan ? Material::unlit : Material::clay;
   const Material material = config.material.value_or(found);

@@ -41,6 +41,7 @@ std::span<const Setting<LightConfig>> settingsOf(const LightConfig*);
 struct LightFor {
   bool isSoftware = false;  ///< a driver that draws on the CPU
   bool barePoints = false;  ///< points are drawn without discs
+  bool ownColors = true;    ///< the colours of the file are shown, if it has any
 };
 /// The same rule for the window, its saved pictures and the command line. Material: water for the particles of water
 /// unless they are drawn as bare points, unlit if the file has colours and its normals are estimates, else clay. The

@@ -97,11 +97,11 @@ class EditsAgain {
         .points = [&](std::span<const PointChange> changes) { return isSame(states, changes); },
         .shape = [](ShapeStroke&) { return false; },
         .attributes = [](AttributeChange&) { return false; }};
-    const std::optional<StrokeLayerChange> ofLayer = std::exchange(ofLayer_, std::nullopt);
+    std::optional<StrokeLayerChange> ofLayer = std::exchange(ofLayer_, std::nullopt);
     const bool mayBeUndo = kind == EditMark::Kind::change && !states.empty() && !history_.inStroke();
     if (mayBeUndo && (history_.undo(isThat) || history_.redo(isThat))) return;
     if (ofLayer && kind == EditMark::Kind::stroke) {
-      history_.slide(*ofLayer);
+      history_.slide(*ofLayer, nullptr);
       history_.beginSlide(*ofLayer);
     }
     std::vector<PointState> before;
@@ -148,12 +148,12 @@ class EditsAgain {
   }
 
   // Another strength of a layer whose points do not exist.
-  bool slidesUnseen(const AttributeChange& change) {
-    const auto* const layer = std::get_if<StrokeLayerChange>(&change);
+  bool slidesUnseen(AttributeChange& change) {
+    auto* const layer = std::get_if<StrokeLayerChange>(&change);
     const StrokeLayers& layers = attributes_.strokeLayers();
     if (!layer || layer->number >= layers.size() || !layer->isPresent) return false;
     if (layers[layer->number].shown() == layer->set.shown()) return false;
-    history_.slide(*layer);
+    history_.slide(*layer, nullptr);
     history_.slideUnseen(*layer);
     return true;
   }

@@ -287,6 +287,7 @@ void Session::setStrokeLayer(std::uint32_t number, StrokeLayer set, bool isOpen,
     } else if (change.open == number) {
       change.open.reset();
     }
+    if (number < layers.size()) change.set.held = layers[number].held;
     if (number < layers.size() && layers[number] == change.set && layers.open() == change.open) return;
     if (number < layers.size() && layers[number].shown() != change.set.shown())
       change.moves = continues ? Points::slideContinued : Points::slide;

@@ -14,8 +14,8 @@ namespace palpate {
 
 namespace {
 
-constexpr double kMaxBricks = 1 << 15;  // maximum number of bricks that a hand may reach at a tick
-constexpr double kStorePoll_s = 1e-3;   // of a store whose news are not reported
+constexpr double kMaxReached = 1 << 15;  // maximum number of bricks that a hand may reach at a tick
+constexpr double kStorePoll_s = 1e-3;    // of a store whose news are not reported
 
 }  // namespace
 
@@ -37,7 +37,7 @@ std::uint64_t BrickSource::versionOf(double frame_s) const noexcept {
 bool BrickSource::covers(double frame_s, const DVec3& low, const DVec3& high) const noexcept {
   const Made* const felt = madeFor(frame_s);
   const BrickBox box = grid_.boxOf(low, high);
-  if (!felt || !isFinite(low) || !isFinite(high) || box.count() > kMaxBricks) return false;
+  if (!felt || !isFinite(low) || !isFinite(high) || box.count() > kMaxReached) return false;
   bool all = true;
   box.forEach([&](const IVec3& brick) {
     all = all && std::binary_search(felt->keys.begin(), felt->keys.end(), BrickGrid::keyOf(brick));
@@ -49,7 +49,7 @@ bool BrickSource::knows(const HandReaches& hands) const {
   bool all = true;
   for (std::uint32_t i = 0; i < hands.count && all; ++i) {
     const BrickBox box = grid_.boxOf(hands.hands[i].low, hands.hands[i].high);
-    if (box.count() > kMaxBricks) return false;
+    if (box.count() > kMaxReached) return false;
     box.forEach([&](const IVec3& brick) { all = all && now_.bricks.contains(BrickGrid::keyOf(brick)); });
   }
   return all;
@@ -80,7 +80,7 @@ void BrickSource::want(const HandReaches& hands) {
   for (std::uint32_t i = 0; i < hands.count; ++i) {
     const HandReach& hand = hands.hands[i];
     const BrickBox box = grid_.boxOf(hand.low, hand.high);
-    if (!isFinite(hand.low) || !isFinite(hand.high) || box.count() > kMaxBricks) continue;
+    if (!isFinite(hand.low) || !isFinite(hand.high) || box.count() > kMaxReached) continue;
     box.forEach([&](const IVec3& brick) {
       reached.emplace_back(grid_.distance(brick, 0.5 * (hand.low + hand.high)), BrickGrid::keyOf(brick));
     });

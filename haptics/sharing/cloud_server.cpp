@@ -1,5 +1,11 @@
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <mutex>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include "engine/cloud/edited_cloud.hpp"
@@ -7,11 +13,12 @@
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/counted.hpp"
+#include "engine/core/start_thread.hpp"
+#include "haptics/sharing/heard_hands.hpp"
 #include "haptics/sharing/messages.hpp"
-#include "haptics/sharing/motion_thread.hpp"
 #include "haptics/sharing/point_server.hpp"
 #include "haptics/sharing/point_writer.hpp"
-#include "haptics/sharing/session_name.hpp"
+#include "haptics/sharing/session_notices.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/stroke_server.hpp"
 #include "haptics/sharing/version_watch.hpp"
@@ -19,6 +26,81 @@
 namespace palpate {
 
 using namespace sharing;
+
+namespace {
+
+constexpr double kSilentHand_s = 1;  // a hand that is silent for this long touches nothing
+
+}  // namespace
+
+/// Moves the points of a served cloud in real time, on its own thread during its lifetime, with the hands received
+/// meanwhile.
+class MotionThread {
+ public:
+  struct Parts {
+    ServedMotion motion;
+    double rate_Hz = 60;
+    const PointCloud& cloud;  ///< at the start; the hands are around it
+    const Participant& participant;
+    const Topics& topics;
+    Id session;
+  };
+  explicit MotionThread(const Parts& parts)
+      : motion_(parts.motion),
+        apart_s_(1 / parts.rate_Hz),
+        hands_(parts.participant, parts.topics, parts.cloud, kSilentHand_s),
+        session_(parts.session),
+        thread_(startThread([this](const std::stop_token& stop) { run(stop); })) {}
+
+  struct Moved {
+    std::shared_ptr<const CloudFrame> frame;  ///< null: none since the last call
+    std::vector<SeenHand> hands;              ///< with the forces on them
+  };
+  /// Newest frame since the last call. Rethrows what the motion has thrown.
+  Moved newest() {
+    const std::scoped_lock hold(lock_);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    return std::exchange(newest_, {});
+  }
+
+  std::uint64_t frames() const { return frames_; }
+
+ private:
+  void run(const std::stop_token& stop) {
+    try {
+      const Stopwatch since;
+      for (double next_s = 0; !stop.stop_requested();) {
+        const double now_s = since.elapsed_s();
+        if (now_s < next_s) {
+          std::this_thread::sleep_for(std::chrono::duration<double>(std::min(next_s - now_s, 0.02)));
+          continue;
+        }
+        // Frames that are late are skipped.
+        next_s = std::max(next_s + apart_s_, now_s);
+        hands_.hear(session_);
+        auto frame = std::make_shared<CloudFrame>();
+        std::vector<SeenHand> hands = hands_.all();
+        if (!motion_(now_s, hands, *frame)) continue;
+        ++frames_;
+        const std::scoped_lock hold(lock_);
+        newest_ = {.frame = std::move(frame), .hands = std::move(hands)};
+      }
+    } catch (...) {
+      const std::scoped_lock hold(lock_);
+      failure_ = std::current_exception();
+    }
+  }
+
+  ServedMotion motion_;
+  double apart_s_;
+  HeardHands hands_;
+  Id session_;
+  std::mutex lock_;  // guards the next two
+  Moved newest_;
+  std::exception_ptr failure_;
+  std::atomic<std::uint64_t> frames_ = 0;
+  std::jthread thread_;  // destroyed first
+};
 
 namespace {
 

@@ -1,15 +1,17 @@
 #include "haptics/sharing/far_link.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <thread>
 #include <utility>
 
 #include "engine/core/clock.hpp"
 #include "engine/core/start_thread.hpp"
+#include "haptics/session/far_cloud.hpp"
 #include "haptics/sharing/brick_assembly.hpp"
 #include "haptics/sharing/hand_balls.hpp"
 #include "haptics/sharing/joined_session.hpp"
-#include "haptics/sharing/restart_watch.hpp"
+#include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/server_link.hpp"
 
 namespace palpate {
@@ -17,6 +19,43 @@ namespace palpate {
 using namespace sharing;
 
 namespace {
+
+/// Detects restarts of a session's simulation, as of water that a hand has driven too fast. Not thread-safe.
+class RestartWatch {
+ public:
+  /// The participant must outlive it.
+  RestartWatch(const Participant& participant, const Id& session)
+      : session_(session),
+        topic_(factsOf(participant, session_)),
+        reader_(participant, topic_, keepingInstances(reliableQos(true), 1)) {}
+
+  RestartWatch(const RestartWatch&) = delete;
+  RestartWatch& operator=(const RestartWatch&) = delete;
+  /// Number of restarts since the last call, and the reason of the last one; nothing if there was none. Restarts before
+  /// the first facts received do not count. Reports at most twice a second.
+  std::optional<Restarts> fresh() {
+    constexpr double kApart_s = 0.5;
+    reader_.take([&](const Facts& facts) {
+      if (!isSame(facts.session, session_)) return;
+      heard_ = {.count = facts.restarts, .why = printable(facts.why)};
+      if (!told_) told_ = heard_.count;
+    });
+    if (!told_ || heard_.count == *told_ || (lastTold_ && lastTold_->elapsed_s() < kApart_s)) return std::nullopt;
+    lastTold_.emplace();
+    const std::uint32_t before = *told_;
+    told_ = heard_.count;
+    if (heard_.count < before) return std::nullopt;  // no palpate server sends that
+    return Restarts{.count = heard_.count - before, .why = heard_.why};
+  }
+
+ private:
+  Id session_;
+  Topic<Facts> topic_;
+  Reader<Facts> reader_;
+  Restarts heard_;
+  std::optional<std::uint32_t> told_;
+  std::optional<Stopwatch> lastTold_;
+};
 
 constexpr std::size_t kRoom = 1 << 18;  // points known at once, twice what a server sends
 constexpr double kHandPoll_s = 0.004;   // polling interval of the hands' positions

@@ -1,6 +1,4 @@
-#include <array>
 #include <chrono>
-#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -15,7 +13,7 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kMetresPerMm = 1e-3;
+constexpr double kMetres_per_mm = 1e-3;
 constexpr std::size_t kWaiting = 1 << 13;  // maximum of queued ticks, eight seconds at 1 kHz
 constexpr auto kLook = std::chrono::milliseconds(2);
 
@@ -113,7 +111,7 @@ class RosHand::Link {
     const std::int64_t time_ns = *began_ns_ + static_cast<std::int64_t>(tick.time_s * 1e9);
     setStamp(header, time_ns);
     header.frame_id = frame_.data();
-    const double metres = publishing_.mm_per_unit * kMetresPerMm;
+    const double metres = publishing_.mm_per_unit * kMetres_per_mm;
     RosPoseStamped pose{.header = header, .pose = {}};
     put(pose.pose.position, tick.hip * metres);
     pose.pose.orientation = {tick.turn.x, tick.turn.y, tick.turn.z, tick.turn.w};

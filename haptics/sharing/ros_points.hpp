@@ -1,10 +1,8 @@
 // PointCloud2 of ROS, whose messages define the layout of their points: from a cloud, and to one. Independent of DDS.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 

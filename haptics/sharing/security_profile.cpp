@@ -1,7 +1,6 @@
 // Checks a folder of keys before DDS gets it: faults are reported in words, and encryption is only reported if it is
 // on.
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <pugixml.hpp>
 #include <sstream>

@@ -1,16 +1,66 @@
 #include "haptics/sharing/server_link.hpp"
 
-#include <utility>
-
 namespace palpate::sharing {
 
 namespace {
+
+constexpr double kPing_s = 0.2, kFirstPings_s = 0.05;
+constexpr std::uint32_t kFirstPings = 8;
 
 constexpr double kServerTimeout_s = 3;  // then another server of the name is searched for
 constexpr double kStrokeTimeout_s = 5;  // then strokes that were not taken are sent again
 constexpr int kMaxStrokeRetries = 12;   // in a row without progress, while the server is heard
 
 }  // namespace
+
+StrokeSender::StrokeSender(const JoinedSession& session)
+    : session_(session), strokes_(session.participant, session.topics.strokes, reliableQos(false)) {}
+
+void StrokeSender::send(StrokeOutbox& outbox, const Id& server) {
+  while (const StrokePiece* piece = outbox.nextPiece(kStates)) {
+    if (write(*piece, server)) continue;
+    outbox.notSent();
+    break;
+  }
+}
+
+bool StrokeSender::write(const StrokePiece& piece, const Id& server) {
+  Stroke stroke{};
+  set(stroke.session, server);
+  set(stroke.client, session_.client);
+  stroke.number = piece.number;
+  states_.clear();
+  for (const PointState& point : piece.states) states_.push_back(stateOf(point));
+  give(stroke.states, states_);
+  replaced_ = piece.replaced;
+  give(stroke.replaced, replaced_);
+  return strokes_.write(stroke);
+}
+
+LinkProbe::LinkProbe(const JoinedSession& session)
+    : server_(session.session),
+      client_(session.client),
+      pings_(session.participant, session.topics.pings, bestEffortQos()),
+      echoes_(session.participant, session.topics.pings, bestEffortQos(kEchoes)) {}
+
+bool LinkProbe::turn() {
+  bool isAnswered = false;
+  echoes_.take([&](const Ping& echo) {
+    if (!isSame(echo.session, server_) || !isSame(echo.client, client_)) return;
+    isAnswered = statistics_.answered(echo.number, since_.elapsed_s()) || isAnswered;
+    request_.answered(echo);
+  });
+  if (lastPing_.elapsed_s() < (sent_ < kFirstPings ? kFirstPings_s : kPing_s)) return isAnswered;
+  lastPing_ = {};
+  Ping ping{};
+  set(ping.session, server_);
+  set(ping.client, client_);
+  ping.number = sent_ = statistics_.sent(since_.elapsed_s());
+  ping.sent_us = since_.elapsed_us();
+  ping.write = request_.write();
+  pings_.write(ping);
+  return isAnswered;
+}
 
 ServerLink::ServerLink(const JoinedSession& session, Log* log, std::function<void()> failed)
     : session_(session),

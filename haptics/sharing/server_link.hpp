@@ -6,15 +6,105 @@
 #include <optional>
 #include <set>
 #include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "engine/core/clock.hpp"
+#include "engine/core/log.hpp"
 #include "haptics/server_file.hpp"
-#include "haptics/sharing/link_messages.hpp"
-#include "haptics/sharing/link_probe.hpp"
+#include "haptics/sharing/joined_session.hpp"
+#include "haptics/sharing/link_statistics.hpp"
 #include "haptics/sharing/session_notices.hpp"
-#include "haptics/sharing/stroke_sender.hpp"
+#include "haptics/sharing/stroke_outbox.hpp"
 #include "haptics/sharing/wanted_points.hpp"
 
 namespace palpate::sharing {
+
+/// Messages of the thread of a joined session, which are added under the session's lock and logged without it.
+/// Thread-safe.
+class LinkMessages {
+ public:
+  explicit LinkMessages(Log* log) : log_(log) {}
+
+  void add(std::string message) {
+    constexpr std::size_t kMaxUnread = 8;
+    const std::scoped_lock hold(lock_);
+    if (unread_.size() < kMaxUnread) unread_.push_back(message);
+    unlogged_.push_back(std::move(message));
+  }
+
+  /// Messages since the last call, the first eight of them.
+  std::vector<std::string> take() {
+    const std::scoped_lock hold(lock_);
+    return std::exchange(unread_, {});
+  }
+
+  /// Writes the messages since the last call to the log, which may take long. Exceptions of its listeners are ignored,
+  /// since they would end this hand's part in the session (LogListener).
+  void log() {
+    std::vector<std::string> messages;
+    {
+      const std::scoped_lock hold(lock_);
+      messages.swap(unlogged_);
+    }
+    if (!log_) return;
+    try {
+      for (const std::string& message : messages) log_->say("{}", message);
+    } catch (...) {
+    }
+  }
+
+ private:
+  Log* log_;
+  std::mutex lock_;
+  std::vector<std::string> unread_, unlogged_;
+};
+
+/// Sends the edits of a hand to the server.
+class StrokeSender {
+ public:
+  /// `session` must outlive it.
+  explicit StrokeSender(const JoinedSession& session);
+  /// Sends all that is pending to the server of that session, as far as the link has room.
+  void send(StrokeOutbox& outbox, const Id& server);
+
+ private:
+  bool write(const StrokePiece& piece, const Id& server);
+
+  const JoinedSession& session_;
+  Writer<Stroke> strokes_;
+  // Of the piece that is written.
+  std::vector<State> states_;
+  std::vector<std::uint64_t> replaced_;
+};
+
+/// Pings a session's server, and receives the echoes.
+/// Not thread-safe.
+class LinkProbe {
+ public:
+  /// The session must outlive it. The first pings follow each other sooner: until one is back the round trip is
+  /// unknown.
+  explicit LinkProbe(const JoinedSession& session);
+  void attach(ReaderWait& wait) const { wait.attach(echoes_); }
+  /// Receives echoes, and pings when due. Returns whether a new echo was received.
+  bool turn();
+  /// From now on pings another server of the session's name.
+  void follow(const Id& server) { server_ = server; }
+  /// Requests a write of the server's file, from the next ping on.
+  void requestWrite() { request_.begin(sent_); }
+  const std::optional<ServerSave>& answer() const { return request_.answer(); }
+  LinkCounts counts() const { return statistics_.counts(since_.elapsed_s()); }
+
+ private:
+  Id server_, client_;
+  Writer<Ping> pings_;
+  Reader<Ping> echoes_;
+  LinkStatistics statistics_;
+  WriteRequest request_;
+  std::uint32_t sent_ = 0;
+  Stopwatch since_, lastPing_;
+};
 
 /// All functions but the first six are for the holder of lock().
 class ServerLink final : public ServerFile {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/edit_stream.hpp"

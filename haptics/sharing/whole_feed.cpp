@@ -8,7 +8,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kApart_s = 0.008;  // edits within this time are merged, each point once
+constexpr double kMerged_s = 0.008;  // edits within this time are merged, each point once
 /// Then a client gets an empty sample. On a link with losses each retransmission delays the following samples by a
 /// round trip, so empty ones are rare.
 constexpr double kSilence_s = 0.5;
@@ -51,7 +51,7 @@ bool WholeFeed::next(StreamSample& sample, const ClientStream&) {
 double WholeFeed::due_s() const {
   if (block_ < blocks_ || (edits_ && isBehind_)) return 0;
   if (!edits_) return kSilence_s;
-  return (hasNews() ? kApart_s : kSilence_s) - lastSent_.elapsed_s();
+  return (hasNews() ? kMerged_s : kSilence_s) - lastSent_.elapsed_s();
 }
 
 void WholeFeed::addBlock(StreamSample& sample) {

@@ -1,17 +1,21 @@
 #include "haptics/simulation/matter_choice.hpp"
 
+#include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "engine/core/named_values.hpp"
 #include "engine/matter/matter_parameters.hpp"
-#include "engine/matter/matter_scene_json.hpp"
+#include "engine/matter/matter_scene_file.hpp"
+#include "engine/matter/matter_simulation.hpp"
+#include "engine/matter/matter_touch.hpp"
 #include "engine/matter/soft_scene.hpp"
+#include "engine/matter/soft_touch.hpp"
 #include "engine/matter/tool_body.hpp"
+#include "haptics/session/backends.hpp"
 #include "haptics/session/simulation.hpp"
-#include "haptics/simulation/matter_hands.hpp"
-#include "haptics/simulation/matter_run.hpp"
 #include "haptics/simulation/scene_model.hpp"
 #include "haptics/simulation/scene_names.hpp"
 #include "haptics/simulation/simulator.hpp"
@@ -19,6 +23,100 @@
 namespace palpate {
 
 namespace {
+
+// Matter without hands, for programs.
+
+constexpr double kMmPerMetre = 1e3;
+
+class MatterRun final : public FreeSimulation {
+ public:
+  explicit MatterRun(std::unique_ptr<MatterSimulation> world) : world_(std::move(world)) {}
+
+  void step() override { world_->step(); }
+  void reset() override { world_->reset(); }
+  double time_s() const override { return world_->time_s(); }
+  std::uint32_t substeps() const override { return world_->plan().substeps; }
+  std::string failure() const override {
+    if (world_->state() == MatterState::running) return {};
+    return world_->state() == MatterState::diverged ? "has diverged" : "has too many particles in one place";
+  }
+  std::vector<SimulationParameter> parameters() const override { return parametersOf(world_->scene()); }
+  void setParameter(std::string_view name, double value) override {
+    MatterScene scene = world_->scene();
+    palpate::setParameter(scene, name, value);
+    world_->change(scene);
+  }
+  CloudFrame frame() override {
+    CloudFrame now;
+    world_->makeFrame(now);
+    for (Vec3& position : now.positions) position *= static_cast<float>(kMmPerMetre);
+    for (Vec3& velocity : now.velocities) velocity *= static_cast<float>(kMmPerMetre);
+    now.velocities.resize(now.size(), Vec3(0));
+    now.time_s = world_->time_s();
+    return now;
+  }
+  Totals totals() const override {
+    const MatterObservation seen = world_->observe();
+    Totals totals{.kinetic_J = seen.kinetic_J,
+                  .potential_J = seen.potential_J,
+                  .momentum_kg_m_s = seen.momentum,
+                  .maxCompression = seen.maxCompression,
+                  .front_mm = kMmPerMetre * seen.front_m,
+                  .particles = seen.particles};
+    if (!world_->model()) return totals;
+    totals.insideModel = world_->insideModel();
+    totals.onModel_N = world_->onModel().force_N;
+    return totals;
+  }
+
+ private:
+  std::unique_ptr<MatterSimulation> world_;
+};
+
+std::unique_ptr<FreeSimulation> runFreely(std::unique_ptr<MatterSimulation> world) {
+  return std::make_unique<MatterRun>(std::move(world));
+}
+
+// Simulated matter that hands touch.
+
+// A soft body, whose points are felt as those of any moving cloud.
+std::unique_ptr<TouchBackend> touchSoft(const MatterScene& scene, const BackendKind& backend,
+                                        const BackendRequest& request) {
+  // Maximum number of steps per frame in real time: more would only delay the answers further.
+  constexpr std::uint32_t kMaxAtOnce = 4;
+  MatterOptions options{.threads = request.threads};
+  options.soft = softBodyOf(request.model);
+  double reach = 0;
+  for (const ToolPoint& point : request.tools.front().points) reach = std::max(reach, glm::length(point.place));
+  auto world = simulatorOf(backend).simulate(scene, options);
+  auto source = std::make_unique<SoftSource>(std::move(world), SoftSourceOptions{.points = request.model.cloud.size(),
+                                                                                 .hands = request.tools.size(),
+                                                                                 .radius = request.surface.radius,
+                                                                                 .toolReach = reach,
+                                                                                 .mostAtOnce = kMaxAtOnce});
+  BackendRequest felt = request;
+  felt.source = source.get();
+  felt.brush.reset();  // the body has the brush, and its points follow
+  felt.paintable = false;
+  auto surface = backend.make(felt);
+  return std::make_unique<SoftTouch>(
+      std::move(source), std::move(surface),
+      SoftTouchOptions{.tools = request.tools, .friction = request.config.surface.friction, .brush = request.brush});
+}
+
+/// Makes a simulation on that back end, with a hand for each tool of the request. Throws Error.
+std::unique_ptr<TouchBackend> touchMatter(const MatterScene& scene, const BackendKind& backend,
+                                          const BackendRequest& request) {
+  if (scene.matter == Matter::soft) return touchSoft(scene, backend, request);
+  const std::size_t hands = request.tools.size();
+  return std::make_unique<MatterTouch>(
+      simulatorOf(backend).simulate(scene,
+                                    {.threads = request.threads, .tools = hands, .model = standingOf(request.model)}),
+      MatterTouchOptions{.hands = hands,
+                         .threads = request.threads,
+                         .realtime = request.config.realtime,
+                         .machine = backend.machine(request.threads)});
+}
 
 // A brush smaller than a cell has no cell of its own to move.
 void checkBrush(const BrushConfig& brush, const MatterScene& scene, double mm_per_unit) {

@@ -26,7 +26,7 @@ typedef struct pp_picture_options {
   double target[3];        /**< position that it looks at, model units */
   double up[3];            /**< direction that is up in the picture, of any length but 0 */
   double fov_deg;          /**< vertical field of view, degrees, 1 to 170 */
-  const char* color;       /**< "rgb", "normal", "depth", "height", or a field of the points; null: rgb */
+  const char* color;       /**< "rgb", "material", "normal", "depth", "height", or a field of the points; null: rgb */
   uint8_t background[4];   /**< red green blue; the fourth is not used */
   uint32_t transparent;    /**< 1: without a background; the fourth byte of a pixel is its opacity */
   /** Colours of depths, heights and fields: "viridis", "turbo", "grey", "red-blue", "classes" (of LAS, of a field),
