@@ -1,9 +1,19 @@
 #include "haptics/force_gate.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpate {
+
 namespace {
+
+/// The windings of motors of this size warm and cool with a time constant of ten to thirty seconds. A larger value
+/// trusts the motors for longer: at 20 s a Touch gives its peak of 3.3 N for a second before it is reduced.
+constexpr double kCooling_s = 20;
+
+/// Share of the allowed heat over which the force is reduced from peak to continuous. A smaller value keeps the peak
+/// for longer and then drops it so fast that the hand feels the step.
+constexpr double kEasing = 0.3;
 
 /// Time from no force to the whole force. Long enough for a hand to brace itself, short enough not to be waited for.
 constexpr double kRamp_s = 0.5;
@@ -19,6 +29,25 @@ constexpr double kFreshFor_s = 0.02;
 constexpr double kFade_s = 0.05;
 
 }  // namespace
+
+ThermalBudget::ThermalBudget(double peakForce_N, double continuousForce_N) noexcept {
+  if (!(peakForce_N > 0 && continuousForce_N > 0)) return;
+  peak_N_ = peakForce_N;
+  continuous_N_ = std::min(continuousForce_N, peakForce_N);
+}
+
+double ThermalBudget::allowed_N() const noexcept {
+  if (continuous_N_ == peak_N_) return peak_N_;
+  const double room = std::clamp((1 - heat_) / kEasing, 0.0, 1.0);
+  // Linear in the square of the force, so that a steady demand settles at the continuous force without overshoot.
+  return std::sqrt(continuous_N_ * continuous_N_ + room * (peak_N_ * peak_N_ - continuous_N_ * continuous_N_));
+}
+
+void ThermalBudget::spend(double force_N, double dt_s) noexcept {
+  if (continuous_N_ == peak_N_ || !(dt_s > 0)) return;
+  const double load = force_N / continuous_N_;
+  heat_ += (load * load - heat_) * -std::expm1(-dt_s / kCooling_s);  // exact for a constant force
+}
 
 ForceGate::ForceGate(const DeviceLimits& limits, double period_s) noexcept
     : motors_(limits.peakForce_N, limits.continuousForce_N),
@@ -71,7 +100,8 @@ void ForceGate::raiseOrFade(double known, double dt_s) noexcept {
 DVec3 ForceGate::limited(const DVec3& force_N, double dt_s) noexcept {
   const double wanted_N = glm::length(force_N), most_N = motors_.allowed_N();
   const bool tooMuch = wanted_N > most_N;
-  if (tooMuch && motors_.isWarm()) ++counts_.hot;
+  hot_ = tooMuch && motors_.isWarm();
+  counts_.hot += hot_;
   const DVec3 result = !std::isfinite(wanted_N) ? DVec3(0) : tooMuch ? force_N * (most_N / wanted_N) : force_N;
   motors_.spend(glm::length(result), dt_s);
   return result;

@@ -107,6 +107,7 @@ void Hand::note(TraceRow& row) const noexcept {
   row.fresh = felt.fresh;
   row.valid = felt.valid && written_;
   row.withheld = force_.isWithheld();
+  row.hot = force_.isHot();
   row.age_s = dataAge_s(felt, row.time_s);
   row.putDown = state_.putDown;
   row.neighbours = felt.neighbours;

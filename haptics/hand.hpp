@@ -1,8 +1,6 @@
 // One hand in a session: its device and its force.
 #pragma once
 
-#include <atomic>
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>

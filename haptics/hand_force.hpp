@@ -1,7 +1,6 @@
 // From the answer of the surface to the force on one hand.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -73,6 +72,8 @@ class HandForce {
   double penetration_mm() const noexcept { return penetration_mm_; }
   /// In contact the gate passes less than the whole force: forces are off, or were gone and return.
   bool isWithheld() const noexcept { return contact_.touching && gate_.share() < 1; }
+
+  bool isHot() const noexcept { return gate_.isHot(); }
 
   const ForceLaw& law() const noexcept { return law_; }
   const GateCounts& withheld() const noexcept { return gate_.counts(); }

@@ -1,8 +1,6 @@
 #include "haptics/passivity.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace palpate {
 namespace {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <list>
-#include <span>
 #include <utility>
 
 #include "engine/core/clock.hpp"

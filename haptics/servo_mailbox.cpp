@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 
 #include "engine/core/clock.hpp"
 #include "haptics/session_clock.hpp"

@@ -50,9 +50,7 @@ static_assert(sizeof(Header) == 24 && sizeof(Block) == 56 && sizeof(Before) == 1
 
 }  // namespace version4
 
-bool isRead(std::uint32_t version) {
-  return version == session_file::kVersion || version == session_file::kWithoutAttributes;
-}
+bool isRead(std::uint32_t version) { return session_file::kOldestRead <= version && version <= session_file::kVersion; }
 
 // Nothing for a point that no back end can have.
 std::optional<PointState> knownState(const session_file::State& state) {
@@ -231,10 +229,11 @@ void LogReader::readHeader() {
   if (whole) return;
   if (!isThere) throw FileError(file_, "is not a session log; record a session to get one");
   if (!isRead(first.version))
-    throw FileError(
-        file_, fmt::format("is a session log of version {}, and this palpate reads versions {} and {}; use the palpate "
-                           "that wrote it",
-                           first.version, session_file::kWithoutAttributes, session_file::kVersion));
+    throw FileError(file_,
+                    fmt::format("is a session log of version {}{}, and this palpate reads versions {} to {}; use {}",
+                                first.version, first.version > session_file::kVersion ? ", of a newer palpate" : "",
+                                session_file::kOldestRead, session_file::kVersion,
+                                first.version > session_file::kVersion ? "a newer one" : "the palpate that wrote it"));
   if (law != session_file::kForceLaw)
     throw FileError(file_,
                     fmt::format("is a session log with the force law {}, and this palpate has the law {}, under which "

@@ -83,8 +83,11 @@ namespace session_file {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> kMagic{'p', 'a', 'l', 'p', 'l', 'o', 'g', '\n'};
-constexpr std::uint32_t kVersion = 6;
-constexpr std::uint32_t kWithoutAttributes = 5;  ///< the version before, otherwise the same: it is still read
+/// Higher with each kind of content that a program did not know before: it must not think that the log is damaged.
+constexpr std::uint32_t kVersion = 7;
+/// Without masks and fields; version 6 has no held points of layers of strokes. Otherwise the same: they are still
+/// read.
+constexpr std::uint32_t kOldestRead = 5;
 /// The force law under which forces are recorded: another one does not find them again.
 constexpr std::uint32_t kForceLaw = 2;
 

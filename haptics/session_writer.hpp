@@ -1,15 +1,47 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include "haptics/pending_edits.hpp"
+#include "haptics/session_log.hpp"
 #include "haptics/session_log_file.hpp"
-#include "haptics/tick_ring.hpp"
 
 namespace palpate {
+
+/// Ticks from the servo thread to a thread that writes them; neither waits for the other.
+class TickRing {
+ public:
+  TickRing() : ring_(kTicks) {}
+
+  /// For the thread that ticks. A tick without room is counted as lost.
+  void add(const LoggedTick& tick) noexcept {
+    const std::uint64_t next = added_.load(std::memory_order_relaxed);
+    if (next - taken_.load(std::memory_order_acquire) == kTicks) {
+      lost_.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    ring_[next % kTicks] = tick;
+    added_.store(next + 1, std::memory_order_release);
+  }
+  /// For the thread that writes: appends all added ticks to `ticks`.
+  void take(std::vector<LoggedTick>& ticks) {
+    const std::uint64_t begin = taken_.load(std::memory_order_relaxed), end = added_.load(std::memory_order_acquire);
+    for (std::uint64_t i = begin; i < end; ++i) ticks.push_back(ring_[i % kTicks]);
+    taken_.store(end, std::memory_order_release);
+  }
+  std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
+
+ private:
+  static constexpr std::size_t kTicks = 1 << 15;  // waiting at most: half a minute at 1 kHz
+
+  std::vector<LoggedTick> ring_;
+  std::atomic<std::uint64_t> added_ = 0, taken_ = 0, lost_ = 0;
+};
 
 /// Writes a session log on a thread of its own. The file has its name from the beginning, so that a crash leaves what
 /// was written: every tick is in it a fifth of a second after it was added. The log's thread flushes the file to the

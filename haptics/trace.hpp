@@ -25,6 +25,7 @@ struct TraceRow {
   bool fresh = false;        ///< from this tick's own query
   bool valid = false;        ///< false: the query or the device failed at this tick
   bool withheld = false;     ///< HandForce::isWithheld()
+  bool hot = false;          ///< ForceGate::isHot()
   bool putDown = false;      ///< the stylus was lifted before this tick, and put down elsewhere
   std::uint32_t missed = 0;  ///< ticks before it that came too late
   std::uint32_t neighbours = 0;

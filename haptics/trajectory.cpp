@@ -5,7 +5,6 @@
 #include <cctype>
 #include <iterator>
 #include <optional>
-#include <string>
 
 #include "engine/core/atomic_file.hpp"
 #include "haptics/text_lines.hpp"

@@ -49,6 +49,7 @@ GuidedTouch::GuidedTouch(const WorkspaceMap& map, const DVec3& parked, const Gui
 
 DeviceLimits GuidedTouch::limits() const {
   DeviceLimits limits = hand_.limits();
+  limits.continuousForce_N = limits.peakForce_N;  // there are no motors that could get hot
   limits.buttons = 1;
   limits.countsTicks = options_.countsTicks;
   return limits;
@@ -104,6 +105,7 @@ void GuidedTouch::follow(const DrawnPose& pose, int ticks) noexcept {
   DVec3 to = placeOf(pose);
   if (toProxy_) {
     const DVec3 proxy = hip_ + map_.scale * *toProxy_, way = to - proxy;
+    raised_ = std::max(raised_, glm::dot(proxy - pose.place, pose.outward));
     const double reach = std::max(pose.inward, 0.0), length = glm::length(way);
     if (length > reach) to = proxy + reach / length * way;
   }
@@ -114,8 +116,11 @@ void GuidedTouch::follow(const DrawnPose& pose, int ticks) noexcept {
 // Whether the stylus that presses has had no contact, or has stayed behind, for too long.
 bool GuidedTouch::isLost(const DrawnPose& pose, int ticks) noexcept {
   if (pose.holds || !(inward_ > 0) || inward_ != pose.inward) return false;
-  const double behind = toProxy_ ? glm::distance(placeOf(pose), hip_ + map_.scale * *toProxy_) - pose.inward : 0;
-  lost_s_ = toProxy_ && behind <= kLost_mm * map_.scale ? 0 : lost_s_ + ticks * options_.tick_s;
+  DVec3 behind = toProxy_ ? placeOf(pose) - hip_ - map_.scale * *toProxy_ : DVec3(0);
+  // A surface that the stroke itself has raised is above its place, and not lost.
+  behind += std::max(-glm::dot(behind, pose.outward) - pose.inward, 0.0) * pose.outward;
+  const bool isNear = toProxy_ && glm::length(behind) - pose.inward <= kLost_mm * map_.scale;
+  lost_s_ = isNear ? 0 : lost_s_ + ticks * options_.tick_s;
   return lost_s_ > kLost_s;
 }
 
@@ -127,8 +132,9 @@ DeviceState GuidedTouch::readStroke() noexcept {
     pose_->putDown = false;
   }
   state.putDown = pose_->putDown || pose_->ends || isLost(*pose_, ticks);
+  if (pose_->putDown) raised_ = 0;
   if (state.putDown) {
-    inward_ = -kHover_mm * map_.scale;
+    inward_ = -kHover_mm * map_.scale - raised_;
     hip_ = placeOf(*pose_);
     lost_s_ = -kPutDown_s;
   } else if (!state.waits) {

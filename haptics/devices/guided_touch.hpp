@@ -87,6 +87,7 @@ class GuidedTouch final : public HapticDevice {
   bool wasDrawn_ = false;          // a stroke has ended since the last aim
   DVec3 hip_{0};                   // during a stroke; model units, as the next one
   double inward_ = 0;
+  double raised_ = 0;             // highest proxy over the stroke's place, since it was put down
   DVec3 lastPosition_{0};         // as it was read last, in the device's unit
   double lost_s_ = 0;             // without contact, or far from it
   std::optional<DVec3> toProxy_;  // at the last tick, in the device's unit; empty without contact

@@ -5,7 +5,6 @@
 #include <ctime>
 #include <glm/gtc/quaternion.hpp>
 #include <mutex>
-#include <thread>
 #include <utility>
 #include <vector>
 
