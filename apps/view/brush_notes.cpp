@@ -39,6 +39,13 @@ void BrushNotes::noteBlocked(const WindowSession& session, double now_s) {
   blocked_ = now_s < blockedUntil_s_ ? meets ? "no room here" : "too thin here" : "";
 }
 
+void BrushNotes::noteGain(double gain, bool hasDevice, Messages& messages) {
+  if (std::exchange(gain_, gain) == gain) return;
+  messages.say(
+      fmt::format("hand gain {:.2f}{}", gain,
+                  hasDevice ? "" : ": for a device in the hand; the mouse moves the stylus as far as the cursor"));
+}
+
 void BrushNotes::noteBack(const WindowSession& session, Messages& messages) {
   // A stroke at a rim may meet nothing in a few edits.
   constexpr std::uint64_t kSurely = 20;

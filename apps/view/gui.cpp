@@ -53,10 +53,12 @@ const std::vector<std::pair<Tone, std::vector<ImGuiCol>>> kStyle{
     {Tone::fieldHovered, {ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive}},
     {Tone::button, {ImGuiCol_Button}},
     {Tone::buttonHovered, {ImGuiCol_ButtonHovered}},
-    {Tone::chosen, {ImGuiCol_ButtonActive, ImGuiCol_TextSelectedBg, ImGuiCol_PlotHistogram}},
+    {Tone::chosen,
+     {ImGuiCol_ButtonActive, ImGuiCol_TextSelectedBg, ImGuiCol_PlotHistogram, ImGuiCol_SliderGrab,
+      ImGuiCol_SliderGrabActive}},
     {Tone::header, {ImGuiCol_Header, ImGuiCol_TitleBg, ImGuiCol_TitleBgActive, ImGuiCol_TitleBgCollapsed}},
     {Tone::headerHovered, {ImGuiCol_HeaderHovered, ImGuiCol_HeaderActive}},
-    {Tone::accent, {ImGuiCol_CheckMark, ImGuiCol_SliderGrab, ImGuiCol_PlotLines}}};
+    {Tone::accent, {ImGuiCol_CheckMark, ImGuiCol_PlotLines}}};
 
 // Whether the topmost popup is a list or another one that a click beside it closes, and not a modal question.
 bool hasList() {

@@ -128,13 +128,16 @@ bool Hands::isSculpting() {
   return session->isDrawing() || (pointing_.isTouching() && !ticks.empty() && ticks.back().contact);
 }
 
-// A stroke keeps the keys with which it began.
+// A stroke keeps the brush, and the keys, with which it began: another brush would end it. To feel ends it at once.
 BrushSettings Hands::brushInHand() {
   if (!isSculpting()) {
     const bool isHeld = pointing_.isTouching() && parts_.settings.tool == WindowTool::sculpt && !parts_.gui.wantsKeys();
     inHand_.follow({isHeld && keyboard_.isShiftDown(), isHeld && keyboard_.isControlDown()});
   }
-  return inHand_.brushFrom(parts_.settings.brush);
+  const WindowSession* session = parts_.document.session();
+  const bool isInStroke =
+      parts_.settings.brush.sculpts && isSculpting() && (session->isDrawing() || session->history().inStroke());
+  return isInStroke ? session->brushSettings() : inHand_.brushFrom(parts_.settings.brush);
 }
 
 BrushHint Hands::brushHint() {

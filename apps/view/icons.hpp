@@ -32,7 +32,7 @@ inline constexpr std::array<std::string_view, 7> kOfBrushes{
     "M1 13 L15 13 M3 13 L4 9 L12 9 L13 13 M8 1 L8 6.5 M5.5 4 L8 6.5 L10.5 4"};
 
 /// In the order of kSelectShapes.
-inline constexpr std::array<std::string_view, 11> kOfShapes{
+inline constexpr std::array<std::string_view, 12> kOfShapes{
     "M2 4 L14 4 L14 12 L2 12 Z",
     "M6 12 L3 10 L2 6 L5 3 L10 2 L14 5 L13 9 L9 11 L6 10 L5 13 L7 15",
     "M3 13 L2 5 L9 2 L14 7 L10 13 Z D3 13 1.3 D2 5 1.3 D9 2 1.3 D14 7 1.3 D10 13 1.3",
@@ -40,6 +40,7 @@ inline constexpr std::array<std::string_view, 11> kOfShapes{
     "M3 8 L8 3 L13 8 L8 13 Z M3 8 L13 8 M8 3 L6 1 M14 10 L15 13 L13 13 Z",
     "D4 4 2 D12 4 2 D4 12 2 O12 12 2",
     "M2 3 L8 3 L14 9 L9 14 L2 8 Z D5 6 1",
+    "M3 8 L13 8 L13 14 L3 14 Z M5 8 L5 4 L8 2 L11 4 L11 8 D8 11 1.3",
     "M2 5 L8 2 L14 5 L14 11 L8 14 L2 11 Z M2 5 L8 8 L14 5 M8 8 L8 14",
     "O8 8 6 M2 8 L5 10 L11 10 L14 8",
     "M1 12 L6 7 L15 7 L10 12 Z M8 9 L8 2 M6.5 3.5 L8 2 L9.5 3.5",

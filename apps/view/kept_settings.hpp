@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "apps/view/screen_places.hpp"
 #include "apps/view/settings.hpp"
 
 namespace palpate {
@@ -13,8 +14,9 @@ struct KeptSettings {
   bool dark = true;
   int text_percent = 100;
   bool firstSteps = true;
+  std::optional<DesktopPlace> place;  ///< of the window, when it was closed
 
-  static KeptSettings of(const ViewSettings& view) { return {view.dark, view.text_percent, view.firstSteps}; }
+  static KeptSettings of(const ViewSettings& view) { return {view.dark, view.text_percent, view.firstSteps, {}}; }
   /// Nothing: there is no such file.
   static std::optional<KeptSettings> read();
   void write() const;

@@ -165,12 +165,17 @@ std::vector<KeyRow> make() {
        "select by a brush, a ball on the surface;  flood: what is connected and alike;  everything alike: same class "
        "or "
        "colour",
-       {plain(GLFW_KEY_B, {chooses(SelectShape::brush)}), plain(GLFW_KEY_O, {chooses(SelectShape::flood)}),
+       {{GLFW_KEY_B, kWithout, kWithout, {chooses(SelectShape::brush)}},
+        plain(GLFW_KEY_O, {chooses(SelectShape::flood)}),
         plain(GLFW_KEY_E, {chooses(SelectShape::same)})}},
       {select,
        "A",
        "label: gives the points under a ball a class, or another value",
        {plain(GLFW_KEY_A, {chooses(SelectShape::label)})}},
+      {select,
+       "Shift+B",
+       "lock by a brush, with its falloff, so that brushes leave these points; with Ctrl it frees them",
+       {{GLFW_KEY_B, kWithout, kWith, {chooses(SelectShape::lock)}}}},
       {select,
        "W;  Shift+W;  D",
        "select by a box;  by a ball;  by the side of a plane: click the model, drag the handles, then Enter",

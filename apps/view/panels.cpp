@@ -1,6 +1,7 @@
 #include "apps/view/panels.hpp"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +19,7 @@ const Range& sliderOf(std::string_view name) {
   return settingNamed<Section>(name).slider;
 }
 
-constexpr std::array<std::pair<std::string_view, std::uint32_t>, 4> kFalloffs{
-    {{"flat", 0}, {"sphere", 1}, {"smooth", 2}, {"sharp", 5}}};
+constexpr float kRounding_px = 0.5f;
 
 }  // namespace
 
@@ -27,6 +27,7 @@ bool Panels::noted(std::string_view name, bool result) {
   const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
   const ImVec2 middle(0.5f * (from.x + to.x), 0.5f * (from.y + to.y));
   name = name.substr(0, name.find("##"));
+  if (to.x > ImGui::GetWindowDrawList()->GetClipRectMax().x + kRounding_px) cut_.emplace(name);
   // A control that is cut off at the panel's edge is scrolled into view first.
   if (ImGui::IsItemVisible() && ImGui::IsRectVisible(middle, {middle.x + 1, middle.y + 1}))
     places_.insert_or_assign(std::string(name), DVec2(middle.x, middle.y));
@@ -48,7 +49,36 @@ std::optional<DVec2> Panels::placeOf(const std::string& name) const {
   return found->second;
 }
 
-bool Panels::button(const char* name, float width) { return noted(name, ImGui::Button(name, {width, 0})); }
+bool Panels::button(const char* name, float width) {
+  const bool isPressed = noted(name, ImGui::Button(name, {width, 0}));
+  noteText(name, name, ImGui::GetItemRectSize().x - 2 * ImGui::GetStyle().FramePadding.x);
+  return isPressed;
+}
+
+void Panels::noteText(std::string_view name, const char* text, float room) {
+  if (ImGui::CalcTextSize(text, nullptr, true).x > room + kRounding_px) cut_.emplace(name.substr(0, name.find("##")));
+}
+
+float Panels::widthBesideLabel(const char* label) {
+  const float own = ImGui::CalcTextSize(label, nullptr, true).x, gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const float width =
+      own > 0 ? std::min(ImGui::CalcItemWidth(), ImGui::GetContentRegionAvail().x - own - gap) : ImGui::CalcItemWidth();
+  ImGui::SetNextItemWidth(width);
+  return width;
+}
+
+float Panels::roomBeside(const char* button) const {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  return ImGui::GetContentRegionAvail().x - style.ItemSpacing.x - ImGui::CalcTextSize(button, nullptr, true).x -
+         2 * style.FramePadding.x;
+}
+
+bool Panels::fieldAndButton(const char* hint, std::array<char, 512>& text, const char* does) {
+  ImGui::SetNextItemWidth(roomBeside(does));
+  const bool isEntered = field(hint, text);
+  ImGui::SameLine();
+  return (button(does) || isEntered) && text[0];
+}
 
 bool Panels::flowing(const char* name, bool isFirst) {
   const ImGuiStyle& style = ImGui::GetStyle();
@@ -74,6 +104,9 @@ bool Panels::header(const char* name, bool open) {
 }
 
 bool Panels::drag(const char* name, double& value, float speed, const Range& range, const char* format) {
+  std::array<char, 64> shown{};
+  ImGui::DataTypeFormatString(shown.data(), static_cast<int>(shown.size()), ImGuiDataType_Double, &value, format);
+  noteText(name, shown.data(), widthBesideLabel(name));
   return noted(name, ImGui::DragScalar(name, ImGuiDataType_Double, &value, speed, &range.min, &range.max, format,
                                        ImGuiSliderFlags_AlwaysClamp));
 }
@@ -96,6 +129,7 @@ bool Panels::dragLength(const char* name, double& value_mm, double speed_mm, con
 // Text field, named by its hint unless it has another name. Returns whether Enter was pressed in it.
 bool Panels::field(const char* hint, std::array<char, 512>& text, const char* name) {
   if (!name) name = hint;
+  noteText(name, hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
   ImGui::PushID(name);
   const bool entered =
       ImGui::InputTextWithHint("##text", hint, text.data(), text.size(), ImGuiInputTextFlags_EnterReturnsTrue);
@@ -103,9 +137,16 @@ bool Panels::field(const char* hint, std::array<char, 512>& text, const char* na
   return noted(name, entered);
 }
 
+bool Panels::beginList(const char* label, const char* shown) {
+  noteText(label, shown, widthBesideLabel(label) - ImGui::GetFrameHeight() - ImGui::GetStyle().FramePadding.x);
+  const bool isOpen = ImGui::BeginCombo(label, shown);
+  if (!isOpen) noted(label, false);
+  return isOpen;
+}
+
 bool Panels::chooseWord(const char* label, std::span<const std::string_view> words, std::size_t& chosen) {
   const std::size_t before = chosen;
-  if (!ImGui::BeginCombo(label, chosen < words.size() ? words[chosen].data() : "")) return noted(label, false);
+  if (!beginList(label, chosen < words.size() ? words[chosen].data() : "")) return false;
   for (std::size_t k = 0; k < words.size(); ++k)
     if (noted(words[k], ImGui::Selectable(words[k].data(), k == before))) chosen = k;
   ImGui::EndCombo();
@@ -131,6 +172,7 @@ bool Panels::hasRoomBeside(double width_px) const {
 ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   ViewSettings& view = settings.view;
   places_.clear();
+  cut_.clear();
   noteLetters(status);
   if (status.others && status.others->counts)
     link_.add(*status.others->counts);
@@ -174,6 +216,7 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
   ImGui::Begin("palpate", nullptr,
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar);
   ImGui::PushItemWidth(em(9.2));
+  ImGui::PushTextWrapPos(0);
   drawModel(status);
   drawDevice(status);
   if (status.session) {
@@ -187,6 +230,7 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
     drawMeasure(status, settings.view);
     drawSession(status);
   }
+  ImGui::PopTextWrapPos();
   ImGui::PopItemWidth();
   ImGui::End();
 }
@@ -217,11 +261,7 @@ void Panels::drawModel(const ViewStatus& status) {
   if (!header("Models")) return;
   if (button("Browse...")) browse(FileTask::open);
   help("Ctrl+O");
-  ImGui::PushItemWidth(em(9.2));
-  const bool entered = field("file.ply", open_);
-  ImGui::PopItemWidth();
-  ImGui::SameLine();
-  post((button("Open##file") || entered) && open_[0], FileCommand{FileTask::open, open_.data()});
+  post(fieldAndButton("file.ply", open_, "Open##file"), FileCommand{FileTask::open, open_.data()});
   const auto list = [&](std::span<const std::string> files) {
     for (const std::string& file : files) {
       ImGui::PushID(file.c_str());
@@ -273,7 +313,7 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
     if (brushHas(brush.kind, shared::kPaintsPoints)) {
       float color[3];
       for (std::size_t k = 0; k < 3; ++k) color[k] = static_cast<float>(brush.color[k]) / 255;
-      if (ImGui::ColorEdit3("colour to paint", color, ImGuiColorEditFlags_NoInputs))
+      if (noted("colour to paint", ImGui::ColorEdit3("colour to paint", color, ImGuiColorEditFlags_NoInputs)))
         for (std::size_t k = 0; k < 3; ++k) brush.color[k] = static_cast<std::uint8_t>(std::lround(color[k] * 255));
     }
   }
@@ -367,17 +407,17 @@ void Panels::drawSession(const ViewStatus& status) {
   };
   const std::string where = "a name without a folder is in " + std::filesystem::current_path().string();
   const bool replaces = isThere(saveAs_.data());
+  const char* const does = replaces ? "Replace" : "Save as";
+  ImGui::SetNextItemWidth(roomBeside(does));
   const bool entered = field("other.ply", saveAs_);
   help(where);
   ImGui::SameLine();
-  post((button(replaces ? "Replace" : "Save as") || (entered && !replaces)),
-       FileCommand{FileTask::saveAs, saveAs_.data()});
+  post((button(does) || (entered && !replaces)), FileCommand{FileTask::saveAs, saveAs_.data()});
   if (replaces) ImGui::TextWrapped("%s", whatIsReplaced(saveAs_.data(), status).c_str());
   if (button("Save to...")) browse(FileTask::saveAs);
   help("Ctrl+Shift+S");
-  ImGui::PushItemWidth(em(5.5));
+  ImGui::SetNextItemWidth(roomBeside("Record") + roomBeside("Play") - ImGui::GetContentRegionAvail().x);
   field("session.log", log_);
-  ImGui::PopItemWidth();
   help(where);
   ImGui::SameLine();
   if (session.isRecording()) {

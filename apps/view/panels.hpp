@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -54,9 +55,10 @@ struct ViewStatus {
   std::optional<MemoryNeed> memoryQuestion;
   std::optional<LeftQuestion> leftQuestion;
   SelectionCounts selection;
-  DrawnOutline outline;  ///< that selects
-  DrawnVolume volume;    ///< that selects, or moves the selected points
-  bool stylus = false;   ///< the mouse holds the stylus
+  DrawnOutline outline;             ///< that selects
+  DrawnVolume volume;               ///< that selects, or moves the selected points
+  bool stylus = false;              ///< the mouse holds the stylus
+  std::optional<double> pressed_N;  ///< force of the stylus of the mouse, while its button is down
   BrushHint brush;
   const HeldDevice* held = nullptr;  ///< the device that the user holds
   std::string gpu;
@@ -110,6 +112,9 @@ class Panels {
   /// Called between Gui::begin() and Gui::end(). Changes the settings as the user sets them; returns other commands.
   ViewCommands draw(const ViewStatus& status, WindowSettings& settings);
 
+  /// Controls whose label or text had no room in the last frame, by name.
+  const std::set<std::string>& cut() const { return cut_; }
+
   /// Position of the control of that name in the last frame, pixels; the last one if several have the name.
   std::optional<DVec2> placeOf(const std::string& name) const;
   /// Scrolls the control of that name into view in the next frames; empty: none.
@@ -149,7 +154,15 @@ class Panels {
   bool chooseWord(const char* name, std::span<const std::string_view> words, std::size_t& chosen);
   template <class Names, class Value>
   void chooseOrAuto(const char* name, const Names& names, std::optional<Value>& value, std::string_view now);
+  // A list with that text; as ImGui::BeginCombo().
+  bool beginList(const char* label, const char* shown);
   bool field(const char* hint, std::array<char, 512>& text, const char* name = nullptr);
+  // A field that takes the room beside a button, which does what Enter does in it. Returns whether that is to be done.
+  bool fieldAndButton(const char* hint, std::array<char, 512>& text, const char* does);
+  float roomBeside(const char* button) const;
+  // Sets the width of the next control, so that its label has room at its right; returns it.
+  static float widthBesideLabel(const char* label);
+  void noteText(std::string_view name, const char* text, float room);
   // Tooltip of the control drawn last, while it is pointed at: beside the panel, so that it does not cover the panel.
   void help(const std::string& text) const;
   void plot(const char* what, const std::vector<float>& curve, float least, float height,
@@ -276,6 +289,7 @@ class Panels {
   std::string statusLine_;
   Thumbnails thumbnails_;
   std::map<std::string, DVec2> places_;
+  std::set<std::string> cut_;
   std::string scrollTo_;
   struct Curves {
     std::vector<float> force_N, penetration, step_us, picture_ms;

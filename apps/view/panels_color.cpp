@@ -20,7 +20,7 @@ void Panels::drawColor(const ViewStatus& status, WindowSettings& settings) {
   if (!header("Colours")) return;
   ColorConfig& color = settings.view.color;
   std::vector<std::pair<std::string_view, std::string>> names{
-      {"colour", "rgb"}, {"normal", "normal"}, {"depth", "depth"}, {"height", "height"}};
+      {"colour", "rgb"}, {"material", "material"}, {"normal", "normal"}, {"depth", "depth"}, {"height", "height"}};
   for (const std::string& name : status.fields)
     if (!valueNamed(kColorNames, name)) names.emplace_back(name, name);
   if (choose("colour by", names, color.by)) {
@@ -28,7 +28,8 @@ void Panels::drawColor(const ViewStatus& status, WindowSettings& settings) {
     colorRange_ = {};
     if (color.by == kClassification || color.map == ColorMap::classes) color.map.reset();
   }
-  if (color.by == "rgb" || color.by == "normal") return;
+  help("material: without the colours of the file, as the material in Look is by itself");
+  if (color.by == "rgb" || color.by == "material" || color.by == "normal") return;
   choose("map", kColorMapChoices, color.map);
   if (color.source() && color.map == ColorMap::classes) color.map.reset();
   if (status.field) drawField(*status.field, color);

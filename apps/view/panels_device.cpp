@@ -126,9 +126,8 @@ void Panels::drawDeviceSettings(const OpenedDevice& opened) {
   ImGui::TextDisabled("axes %s", opened.axes.text().c_str());
   help("axes of the device that point right, up and towards you");
   ImGui::SameLine();
-  ImGui::PushItemWidth(em(5));
+  ImGui::SetNextItemWidth(roomBeside("Set##axes"));
   const bool entered = field("x,z,-y", axes_);
-  ImGui::PopItemWidth();
   help("other axes, which are remembered for this device; Test finds them");
   ImGui::SameLine();
   post((button("Set##axes") || entered) && axes_[0], SetDeviceAxes{axes_.data()});

@@ -19,7 +19,7 @@ void Panels::drawLayers(const ViewStatus& status) {
   if (!isOpen) {
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);
-    if (post(field("name of the layer", layerName_), LayerCommand{What::add, layerName_.data()})) layerName_ = {};
+    if (post(field("layer name", layerName_), LayerCommand{What::add, layerName_.data()})) layerName_ = {};
   }
   for (auto number = static_cast<std::uint32_t>(layers.size()); number-- > 0;)
     if (!layers[number].isMerged) drawLayer(layers, number);
@@ -44,7 +44,7 @@ void Panels::drawLayer(const StrokeLayers& layers, std::uint32_t number) {
   constexpr double kNone = 0, kAll = 1;
   std::string format = "%.2f  ";
   for (const char letter : name) format += letter == '%' ? "%%" : std::string(1, letter);
-  ImGui::SetNextItemWidth(em(7.6));
+  ImGui::SetNextItemWidth(roomBeside("merge"));
   const bool isChanged =
       ImGui::SliderScalar("##strength", ImGuiDataType_Double, &strength, &kNone, &kAll, format.c_str());
   if (ImGui::IsItemActivated()) slides_ = false;
@@ -52,8 +52,9 @@ void Panels::drawLayer(const StrokeLayers& layers, std::uint32_t number) {
     slides_ = true;
   help(
       "strength of the strokes: with 0 the points are as before them, with 1 as they were made; Ctrl+click: any number "
-      "from -1 (the other way) to 2. Points that they removed are gone from 0.5 on; points that they inserted slide "
-      "from those beside them, and are gone at 0. What other strokes did since stays");
+      "from -1 (the other way) to 2, but only 0 to 1 if they have deep cuts or pulls. What they cut away is gone from "
+      "0.5 "
+      "on. What other strokes did since stays, and locked points stay as they are");
   ImGui::SameLine();
   post(noted("merge " + name, ImGui::SmallButton("merge")), LayerCommand{What::merge, name});
   help(name + " becomes part of the model, as strong as it is");

@@ -17,9 +17,7 @@ void Panels::chooseOrAuto(const char* label, const Names& names, std::optional<V
   const char* shown = automatic.c_str();
   for (const auto& [name, each] : names)
     if (value == each) shown = name.data();
-  const bool open = ImGui::BeginCombo(label, shown);
-  noted(label, false);
-  if (!open) return;
+  if (!beginList(label, shown)) return;
   if (noted("auto", ImGui::Selectable("auto", !value))) value.reset();
   for (const auto& [name, each] : names)
     if (noted(name, ImGui::Selectable(name.data(), value == each))) value = each;
@@ -92,9 +90,8 @@ void Panels::drawSides() {
 
 // Views that the user has named: each is shown by its button.
 void Panels::drawViews(const ViewStatus& status) {
-  ImGui::PushItemWidth(em(6.5));
-  const bool entered = field("name of the view", viewName_);
-  ImGui::PopItemWidth();
+  ImGui::SetNextItemWidth(roomBeside("Remember view"));
+  const bool entered = field("name", viewName_, "name of the view");
   ImGui::SameLine();
   if (button("Remember view") || entered) {
     commands_.emplace_back(NamedViewCommand{NamedViewCommand::What::remember, viewName_.data()});
@@ -109,10 +106,11 @@ void Panels::drawViews(const ViewStatus& status) {
   }
   for (const NamedText& view : status.views) {
     ImGui::PushID(view.name.c_str());
-    post(button(view.name.c_str(), em(6.5)), NamedViewCommand{NamedViewCommand::What::show, view.name});
+    post(button(view.name.c_str(), roomBeside("Forget")), NamedViewCommand{NamedViewCommand::What::show, view.name});
     help("shows this view again; on the command line: render --camera \"" + view.text + "\"");
     ImGui::SameLine();
-    post(button(("Forget " + view.name).c_str()), NamedViewCommand{NamedViewCommand::What::forget, view.name});
+    post(noted("Forget " + view.name, ImGui::Button("Forget")),
+         NamedViewCommand{NamedViewCommand::What::forget, view.name});
     ImGui::PopID();
   }
 }

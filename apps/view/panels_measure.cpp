@@ -57,15 +57,11 @@ void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view) {
     ImGui::TextWrapped("%s: %s", distance->name.c_str(), text(distance->length()).c_str());
     ImGui::TextWrapped("height %s, across %s", text(distance->height(up)).c_str(), text(distance->across(up)).c_str());
     help("of the second position over the first, along the up axis, and the rest of the way");
-    const bool renamed = field("name", distanceName_);
-    ImGui::SameLine();
-    if ((button("Rename") || renamed) && distanceName_[0]) {
+    if (fieldAndButton("name", distanceName_, "Rename")) {
       commands_.emplace_back(MeasureCommand{MeasureCommand::What::rename, distance->name, distanceName_.data()});
       distanceName_[0] = 0;
     }
-    const bool entered = field("true length, mm", trueLength_);
-    ImGui::SameLine();
-    post((button("Set") || entered) && trueLength_[0], SetTrueLength{trueLength_.data()});
+    post(fieldAndButton("true length, mm", trueLength_, "Set"), SetTrueLength{trueLength_.data()});
     help(
         "opens the model again at the touch scale that gives the measured distance this length; saved files "
         "contain it (mm_per_unit)");

@@ -27,6 +27,8 @@ std::string hintFor(const WindowSettings& settings) {
       return "click the model to select what is alike,  F1 for help";
     case SelectShape::label:
       return "draw over points to label them,  F1 for help";
+    case SelectShape::lock:
+      return "draw over points to lock them, with Ctrl to free them,  F1 for help";
     case SelectShape::box:
     case SelectShape::ball:
     case SelectShape::plane:
@@ -84,7 +86,8 @@ void Panels::drawMessages(const ViewStatus& status, const WindowSettings& settin
   else if (status.held->device())
     lines.insert(lines.begin(), status.held->opened()->facts.model + ": button 1 sculpts, button 2 is the clutch");
   else if (status.stylus)
-    lines.insert(lines.begin(), "stylus: press with the left button");
+    lines.insert(lines.begin(), status.pressed_N ? fmt::format("stylus: pressed, {:.1f} N", *status.pressed_N)
+                                                 : "stylus: press with the left button");
   if (view.measures && status.session) lines.insert(lines.begin(), measureLine(status));
   if (!view.panels && status.loading)
     lines.push_back(status.loadingWhat +

@@ -27,11 +27,16 @@ void Panels::drawSelect(const ViewStatus& status, WindowSettings& settings) {
     dragLength("ball size", select.brush_mm, 0.1, settingNamed<BrushConfig>("radius_mm").slider, status);
     help("radius; [ and ] change it");
   }
+  if (select.shape == SelectShape::lock) {
+    choose("falloff", kFalloffs, select.falloff);
+    help("how the lock decreases towards the rim: not at all, or as (1 - r^2) to the power of 1, 2 or 5");
+  }
   if (select.shape == SelectShape::flood) choose("flood##by", kFloodsBy, select.floodsByColor);
   if (select.shape == SelectShape::flood && !select.floodsByColor) {
     drag("angle", select.angle_deg, 0.2f, kAngles_deg, "%.0f degrees");
     help("largest angle between the normals of a point and of the clicked one");
   } else if (select.shape == SelectShape::flood || select.shape == SelectShape::same) {
+    widthBesideLabel("difference");
     noted("difference", ImGui::DragInt("difference", &select.colorStep, 0.5f, 0, 255));
     help("of colours: largest difference in red, green and blue, of 255");
   }
@@ -108,25 +113,19 @@ void Panels::drawLabel(SelectSettings& select) {
 
 // Selections by an expression, and as a field.
 void Panels::drawWhere(const ViewStatus& status) {
-  const float width = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
-  const auto row = [&](const char* hint, std::array<char, 512>& text, const char* does) {
-    ImGui::PushItemWidth(2 * width);
-    const bool isEntered = field(hint, text);
-    ImGui::PopItemWidth();
-    ImGui::SameLine();
-    return (button(does, width) || isEntered) && text[0];
-  };
   const ImGuiIO& io = ImGui::GetIO();
-  post(row("classification == 2 && z > 3", where_, "Find"),
+  post(fieldAndButton("intensity > 100", where_, "Find"),
        SelectWhere{.condition = where_.data(), .adds = io.KeyShift, .removes = io.KeyCtrl});
-  help("selects the points for which this holds. Shift adds, Ctrl removes, both keep what is in both");
+  help(
+      "selects the points for which this holds, as classification == 2 && z > 3. Shift adds, Ctrl removes, both keep "
+      "what is in both");
   if (!status.whereError.empty()) {
     ImGui::PushStyleColor(ImGuiCol_Text, ink(Tone::error));
     ImGui::TextWrapped("%s", status.whereError.c_str());
     ImGui::PopStyleColor();
   }
   ImGui::BeginDisabled(status.selection.selected == 0);
-  post(row("name of the selection", selectionName_, "Keep"), KeepSelection{selectionName_.data()});
+  post(fieldAndButton("name of the field", selectionName_, "Keep"), KeepSelection{selectionName_.data()});
   help("keeps the selection as a field: 1 of its points, 0 of all others; saved with the model");
   ImGui::EndDisabled();
 }

@@ -28,6 +28,7 @@ constexpr std::array<std::pair<const char*, const char*>, kSelectShapes.size()> 
      {"O", "click a point: selects what is connected with it and alike"},
      {"E", "click a point: selects all of its class, or of its colour where there are no classes"},
      {"A", "drag a ball along the surface: the points under it get the value in the panel"},
+     {"Shift+B", "drag a ball along the surface: it locks the points under it, with Ctrl it frees them"},
      {"W", "click the model, or drag from there; drag the handles; Enter selects"},
      {"Shift+W", "click the model, or drag from there; drag the handles; Enter selects"},
      {"D", "click the model; drag the handles; Enter selects the side of the arrow"},
@@ -51,7 +52,7 @@ std::vector<Panels::Tool> Panels::toolsOf(const ViewStatus& status, WindowSettin
   if (selects) {
     for (std::size_t k = 0; k < kSelectShapes.size(); ++k) {
       const auto& [name, shape] = kSelectShapes[k];
-      const bool draws = shape != SelectShape::label && shape != SelectShape::move;
+      const bool draws = shape != SelectShape::label && shape != SelectShape::lock && shape != SelectShape::move;
       tools.push_back(
           {name.data(), icon::kOfShapes[k], kShapeHelp[k].first,
            kShapeHelp[k].second + std::string(draws ? ". Shift adds, Ctrl removes, both keep what is in both" : ""),

@@ -24,7 +24,8 @@ struct Selectable {
 // Noise scatters the points of the first surface behind the foremost of them.
 double toleranceOf(const Model& model) { return model.spacing * (1 + 2 * std::min(model.noise, 0.25)); }
 
-PointBits inBrush(const Selectable& field, std::span<const DVec2> path_px, double radius, const DepthPicture& picture) {
+// Of the balls of a brush along a path.
+std::vector<Vec3> centresAlong(std::span<const DVec2> path_px, double radius, const DepthPicture& picture) {
   constexpr double kApart = 0.2;  // of the balls, radii
   std::vector<Vec3> centres;
   const auto add = [&](const DVec2& place_px) {
@@ -40,7 +41,7 @@ PointBits inBrush(const Selectable& field, std::span<const DVec2> path_px, doubl
     const int steps = std::max(1, static_cast<int>(glm::length(along) / kApart_px));
     for (int step = 1; step <= steps; ++step) add(from + double(step) / steps * along);
   }
-  return pointsInBalls(field.points, field.among, centres, radius);
+  return centres;
 }
 
 // Of the class that the clicked point has, if the model has classes.
@@ -156,18 +157,35 @@ PointBits SelectTool::found(const SelectSettings& settings, const Pointed& at) c
   const Selectable field(session);
   const bool isBrush = isBall(shape_);
   const FoundSurface front = isBrush || !settings.through ? at.surface() : FoundSurface();
+  const double radius = session.model().scale.toUnits(settings.brush_mm);
   const PointBits inside =
-      isBrush ? inBrush(field, path_px_, session.model().scale.toUnits(settings.brush_mm), front.picture())
+      isBrush ? pointsInBalls(field.points, field.among, centresAlong(path_px_, radius, front.picture()), radius)
               : pointsInOutline(field.points, field.among, ScreenOutline(corners()),
                                 settings.through ? at.viewpoint.camera() : front.picture().camera, at.size_px);
   if (settings.through) return inside;
   return firstSurface(field.points, inside, front.picture(), toleranceOf(session.model()));
 }
 
+// More than before, or with Ctrl less.
+void SelectTool::lockBrushed(const SelectSettings& settings, const Pointed& at) const {
+  const PointBits inside = found(settings, at);
+  const double radius = at.session->model().scale.toUnits(settings.brush_mm);
+  const std::vector<std::uint8_t> under =
+      weightsInBalls(at.session->history().points(), inside, centresAlong(path_px_, radius, at.surface().picture()),
+                     radius, settings.falloff);
+  std::vector<std::uint8_t> weights = at.session->session().lockWeights();
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    weights[i] = how_ == Combine::remove ? std::min(weights[i], static_cast<std::uint8_t>(PointLock::kWhole - under[i]))
+                                         : std::max(weights[i], under[i]);
+  at.session->setLockWeights(weights);
+}
+
 void SelectTool::close(const SelectSettings& settings, const Pointed& at) {
   stage_ = Stage::idle;
   if (!at.session) return;
-  if (shape_ == SelectShape::label)
+  if (shape_ == SelectShape::lock)
+    lockBrushed(settings, at);
+  else if (shape_ == SelectShape::label)
     remark_ = label(*at.session, found(settings, at), {settings.field.data(), settings.value.data()});
   else
     select(*at.session, found(settings, at), how_);

@@ -49,6 +49,7 @@ class SelectTool {
  private:
   void begin(Stage stage, const Keys& keys, const SelectSettings& settings);
   void close(const SelectSettings& settings, const Pointed& at);
+  void lockBrushed(const SelectSettings& settings, const Pointed& at) const;
   void takeBack();
   PointBits found(const SelectSettings& settings, const Pointed& at) const;
   std::vector<DVec2> corners() const;

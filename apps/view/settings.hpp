@@ -86,9 +86,23 @@ inline constexpr std::array<std::pair<std::string_view, WindowTool>, 3> kWindowT
     {{"sculpting", WindowTool::sculpt}, {"selecting", WindowTool::select}, {"looking", WindowTool::look}}};
 
 /// How points are selected: drawn, by one that is clicked, or by a volume in the model. `label` gives the points under
-/// the ball a value in place of selecting them; `move` is the box by which the selected points are moved.
-enum class SelectShape : std::uint8_t { rectangle, lasso, polygon, brush, flood, same, label, box, ball, plane, move };
-inline constexpr std::array<std::pair<std::string_view, SelectShape>, 11> kSelectShapes{
+/// the ball a value in place of selecting them, `lock` locks them; `move` is the box by which the selected points are
+/// moved.
+enum class SelectShape : std::uint8_t {
+  rectangle,
+  lasso,
+  polygon,
+  brush,
+  flood,
+  same,
+  label,
+  lock,
+  box,
+  ball,
+  plane,
+  move
+};
+inline constexpr std::array<std::pair<std::string_view, SelectShape>, 12> kSelectShapes{
     {{"rectangle", SelectShape::rectangle},
      {"lasso", SelectShape::lasso},
      {"polygon", SelectShape::polygon},
@@ -96,15 +110,22 @@ inline constexpr std::array<std::pair<std::string_view, SelectShape>, 11> kSelec
      {"flood", SelectShape::flood},
      {"same", SelectShape::same},
      {"label", SelectShape::label},
+     {"lock", SelectShape::lock},
      {"box", SelectShape::box},
      {"ball", SelectShape::ball},
      {"plane", SelectShape::plane},
      {"move", SelectShape::move}}};
-constexpr bool isBall(SelectShape shape) { return shape == SelectShape::brush || shape == SelectShape::label; }
+constexpr bool isBall(SelectShape shape) {
+  return shape == SelectShape::brush || shape == SelectShape::label || shape == SelectShape::lock;
+}
+/// How the effect of a ball decreases towards its rim: (1 - r^2) to that power.
+inline constexpr std::array<std::pair<std::string_view, std::uint32_t>, 4> kFalloffs{
+    {{"flat", 0}, {"sphere", 1}, {"smooth", 2}, {"sharp", 5}}};
 struct SelectSettings {
   SelectShape shape = SelectShape::rectangle;
   bool through = false;        ///< also points behind the first surface
   double brush_mm = 5;         ///< radius, also of the label brush
+  std::uint32_t falloff = 0;   ///< of kFalloffs: of the ball that locks
   double rim_mm = 0;           ///< width of the soft rim around what is locked, mm in the hand
   bool floodsByColor = false;  ///< else by the direction of the normals
   double angle_deg = 15;       ///< largest angle to the normal of the clicked point

@@ -8,6 +8,7 @@
 #include "apps/cli/stop_by_signal.hpp"
 #include "apps/cli/stream_options.hpp"
 #include "apps/cli/system_places.hpp"
+#include "apps/view/kept_settings.hpp"
 #include "apps/view/theme.hpp"
 #include "apps/view/viewer.hpp"
 #include "engine/core/named_values.hpp"
@@ -31,9 +32,9 @@ struct ViewCommandOptions {
   StreamOptions stream;
   JoinOptionsGiven join;
   ScaleOptions scale;
-  std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
-              edit = "none", resolution = "128", device = "auto", axes, scheduler = "device", present = "auto",
-              symmetry, theme, textSize;
+  std::string normals = "keep", size, script, sightGpu, backend = "auto", surface = "average", edit = "none",
+              resolution = "128", device = "auto", axes, scheduler = "device", present = "auto", symmetry, theme,
+              textSize;
   bool hidesCamera = false, rumble = false, realtime = false, keepUnreliable = false;
   PrepareOptions prepare;
   double rate_Hz = 1000, undoMemory_MiB = 1024;
@@ -70,7 +71,7 @@ void setModel(const StreamOptions& stream, const JoinOptionsGiven& join, Log& lo
 // Without a display, an error in the model file is reported first.
 std::unique_ptr<Window> openWindow(const ViewOptions& view) {
   try {
-    return std::make_unique<Window>(view.size_px, "palpate");
+    return std::make_unique<Window>(view.size_px, "palpate", true, view.place);
   } catch (const Error&) {
     const std::string file = view.models.empty() ? std::string() : view.models.front();
     const bool isFile = !file.empty() && view.session.config.model.file.empty() && !isRosModel(file) &&
@@ -81,8 +82,6 @@ std::unique_ptr<Window> openWindow(const ViewOptions& view) {
 }
 
 void view(Context& context, const ViewCommandOptions& options) {
-  const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
-  Frame::checkSize(width, height);
   validate(options.color);
   const GuideConfig guides = guidesNamed(options.guides, "--guides");
   // A held device requires realtime, also while a script plays.
@@ -100,8 +99,14 @@ void view(Context& context, const ViewCommandOptions& options) {
                    .light = options.light,
                    .guides = guides,
                    .resolution = std::stoi(options.resolution),
-                   .size_px = {width, height},
                    .held = held};
+  if (!options.size.empty()) {
+    const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
+    Frame::checkSize(width, height);
+    view.size_px = {width, height};
+  } else if (const auto kept = KeptSettings::read(); kept && options.script.empty()) {
+    view.place = kept->place;
+  }
   if (!options.script.empty()) view.script = readScript(options.script);
   view.session.config.model = ModelOptions{.scale = options.scale,
                                            .normals = options.normals,
@@ -160,7 +165,8 @@ void view(Context& context, const ViewCommandOptions& options) {
 
 // The window itself, and the script that plays in it.
 void addWindowOptions(Options& sub, ViewCommandOptions& options) {
-  sub.add("--size", options.size, "size of the window, WIDTHxHEIGHT, pixels").showDefault();
+  sub.add("--size", options.size,
+          "size of the window, WIDTHxHEIGHT, pixels; default: as the window was last, else 1280x720");
   sub.add("--theme", options.theme, "dark or light panels and background; default: as the window was last")
       .check(oneOf({"dark", "light"}));
   sub.add("--text-size", options.textSize, "size of the panels and their text, %; default: as the window was last")

@@ -22,7 +22,8 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
       commands_(parts(options.held), hands_),
       report_(parts(options.held), hands_, commands_, pace_, brushNotes_),
       held_(options.held),
-      script_(options.script, options.session.live.clock != nullptr) {
+      script_(options.script, options.session.live.clock != nullptr),
+      keepsPlace_(options.script.empty()) {
   ViewSettings& view = settings_.view;
   view.up = upNamed(options.look.up);
   view.unit = unitNamed(options.look.unit);
@@ -53,6 +54,10 @@ void Viewer::run() {
   while (!isClosed_ && !StopBySignal::requested()) step();
   commands_.cleaning().cancel();
   keepThumbnail();
+  if (const auto place = window_.place(); place && keepsPlace_) {
+    kept_.place = place;
+    kept_.write();
+  }
   document_.close(!isClosed_);
   if (isClosed_) return;
   if (document_.session() && document_.session()->isChanged())
@@ -219,7 +224,8 @@ void Viewer::followName() {
 
 void Viewer::keepSettings() {
   window_.setFullScreen(settings_.view.fullScreen);
-  const KeptSettings now = KeptSettings::of(settings_.view);
+  KeptSettings now = KeptSettings::of(settings_.view);
+  now.place = kept_.place;
   if (now == kept_ || gui_.isBusy()) return;
   kept_ = now;
   kept_.write();

@@ -20,6 +20,7 @@ struct ViewOptions {
   GuideConfig guides;
   int resolution = 128;  ///< of the triangles
   UVec2 size_px{1280, 720};
+  std::optional<DesktopPlace> place;  ///< of the window, in place of its size
   HeldDevice& held;
   std::vector<TimedAction> script;
   std::optional<bool> dark;                  ///< nothing: as the window was last
@@ -76,13 +77,14 @@ class Viewer {
   Viewpoint viewpoint_;
   DVec2 free_px_{0};  // Panels::freeWidth_px() in the last frame
   OwnCamera ownCamera_;
-  BrushNotes brushNotes_;
+  BrushNotes brushNotes_{settings_.feel.handGain};
   Hands hands_;
   CommandRunner commands_;
   WindowReport report_;
   HeldDevice& held_;
   ScriptPlayer script_;
   KeptSettings kept_;  // as they are in their file
+  bool keepsPlace_;    // of the window: not that of a script
   bool isClosed_ = false;
 };
 

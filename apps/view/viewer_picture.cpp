@@ -12,6 +12,7 @@ void Viewer::applySettings() {
   if (settings_.view.up != viewpoint_.fittedUp()) commands_.fitCamera();
   if (gui_.isBusy()) return;  // not in the middle of a drag
   session->setForces(settings_.forcesOn);
+  brushNotes_.noteGain(settings_.feel.handGain, held_.device() != nullptr, messages_);
   messages_.tryTo([&] {
     const bool recorded = session->isRecording();
     // A held device cannot be put away: behind a question it feels, but does not sculpt.

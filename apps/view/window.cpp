@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -45,6 +46,22 @@ std::optional<MouseButton> buttonOf(int number) {
   return std::nullopt;
 }
 
+std::span<GLFWmonitor* const> monitors() {
+  int count = 0;
+  GLFWmonitor* const* const all = glfwGetMonitors(&count);
+  return {all, static_cast<std::size_t>(count)};
+}
+
+// Of each monitor what no bar of the desktop covers.
+std::vector<DesktopPlace> screens() {
+  std::vector<DesktopPlace> places;
+  for (GLFWmonitor* const monitor : monitors()) {
+    DesktopPlace& place = places.emplace_back();
+    glfwGetMonitorWorkarea(monitor, &place.left, &place.top, &place.width, &place.height);
+  }
+  return places;
+}
+
 void listen(GLFWwindow* window) {
   glfwSetKeyCallback(window, [](GLFWwindow* from, int key, int scanCode, int action, int) {
     // Letters by the user's keyboard layout, not by the US layout.
@@ -73,11 +90,13 @@ void listen(GLFWwindow* window) {
 
 }  // namespace
 
-Window::Window(const UVec2& size_px, const std::string& title, bool visible) {
+Window::Window(const UVec2& size_px, const std::string& title, bool visible, const std::optional<DesktopPlace>& at) {
   if (!glfwInit()) throw noDisplay();
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
-  glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
-  window_ = glfwCreateWindow(static_cast<int>(size_px.x), static_cast<int>(size_px.y), title.c_str(), nullptr, nullptr);
+  glfwWindowHint(GLFW_VISIBLE, visible && !at ? GLFW_TRUE : GLFW_FALSE);
+  const DesktopPlace place =
+      at ? onScreen(*at, screens()) : DesktopPlace{0, 0, static_cast<int>(size_px.x), static_cast<int>(size_px.y)};
+  window_ = glfwCreateWindow(place.width, place.height, title.c_str(), nullptr, nullptr);
   if (!window_) {
     const Error error = noDisplay();
     glfwTerminate();
@@ -85,6 +104,9 @@ Window::Window(const UVec2& size_px, const std::string& title, bool visible) {
   }
   glfwSetWindowUserPointer(window_, &events_);
   listen(window_);
+  if (!at) return;
+  glfwSetWindowPos(window_, place.left, place.top);
+  if (visible) glfwShowWindow(window_);
 }
 
 Window::~Window() {
@@ -129,18 +151,27 @@ void Window::resize(const UVec2& size_px) {
 void Window::minimise(bool on) { on ? glfwIconifyWindow(window_) : glfwRestoreWindow(window_); }
 
 void Window::setFullScreen(bool on) {
-  auto& [left, top, width, height] = windowed_;
-  if (on == (width > 0)) return;
+  if (on == windowed_.has_value()) return;
   if (!on) {
-    glfwSetWindowMonitor(window_, nullptr, left, top, width, height, GLFW_DONT_CARE);
-    windowed_ = {};
-    return;
+    const DesktopPlace to = onScreen(*std::exchange(windowed_, {}), screens());
+    return glfwSetWindowMonitor(window_, nullptr, to.left, to.top, to.width, to.height, GLFW_DONT_CARE);
   }
-  glfwGetWindowPos(window_, &left, &top);
-  glfwGetWindowSize(window_, &width, &height);
-  GLFWmonitor* const monitor = glfwGetPrimaryMonitor();
+  windowed_.emplace();
+  glfwGetWindowPos(window_, &windowed_->left, &windowed_->top);
+  glfwGetWindowSize(window_, &windowed_->width, &windowed_->height);
+  const auto number = screenOf(*windowed_, screens());
+  GLFWmonitor* const monitor = number ? monitors()[*number] : nullptr;
   if (const GLFWvidmode* const mode = monitor ? glfwGetVideoMode(monitor) : nullptr)
     glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
+
+std::optional<DesktopPlace> Window::place() const {
+  if (windowed_ || isMinimised()) return std::nullopt;
+  DesktopPlace place;
+  glfwGetError(nullptr);
+  glfwGetWindowPos(window_, &place.left, &place.top);
+  glfwGetWindowSize(window_, &place.width, &place.height);
+  return glfwGetError(nullptr) == GLFW_NO_ERROR ? std::optional(place) : std::nullopt;
 }
 
 void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }

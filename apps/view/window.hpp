@@ -1,12 +1,12 @@
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "apps/view/events.hpp"
+#include "apps/view/screen_places.hpp"
 #include "engine/gpu/device.hpp"
 
 struct GLFWwindow;
@@ -23,8 +23,9 @@ struct Gamepad {
 /// The window system, and one window on it. Throws Error without a display.
 class Window {
  public:
-  /// An invisible window only serves to query presentation support.
-  Window(const UVec2& size_px, const std::string& title, bool visible = true);
+  /// An invisible window only serves to query presentation support. `at`: in place of the size, brought onto a screen.
+  explicit Window(const UVec2& size_px, const std::string& title, bool visible = true,
+                  const std::optional<DesktopPlace>& at = {});
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -41,7 +42,9 @@ class Window {
   bool isMinimised() const;
   void resize(const UVec2& size_px);
   void minimise(bool on);
-  /// Covers the whole monitor, or is a window again where it was.
+  /// Of its inside, as a window; empty: full screen, minimised, or the window system does not tell.
+  std::optional<DesktopPlace> place() const;
+  /// Covers the screen that shows most of it, or is a window again where it was.
   void setFullScreen(bool on);
   void setTitle(const std::string& title);
   /// Shows or hides the window system's cursor.
@@ -55,7 +58,7 @@ class Window {
  private:
   GLFWwindow* window_ = nullptr;
   std::vector<WindowEvent> events_;
-  std::array<int, 4> windowed_{};  // left, top, width and height before full screen; 0: it is not
+  std::optional<DesktopPlace> windowed_;  // before full screen; empty: it is not
 };
 
 /// GLFW number of a key by its name in a script ("z", "space", "ctrl", "left", "f1", …), case-insensitive; nothing for

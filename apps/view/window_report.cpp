@@ -37,6 +37,9 @@ std::vector<std::string> WindowReport::notices() {
     if (counts.locked > 0)
       notices.push_back(counted(counts.locked, "point is locked", "points are locked") + " (Ctrl+Shift+M unlocks all)");
   }
+  if (const WindowSession* const session = parts_.document.shown();
+      session && !session->recentTicks().rows().empty() && session->recentTicks().rows().back().hot)
+    notices.emplace_back("less force: the motors of the device are warm; lift it for a few seconds");
   if (!parts_.settings.forcesOn) notices.emplace_back("forces off (Backspace)");
   return notices;
 }
@@ -109,6 +112,8 @@ ViewStatus WindowReport::status() {
     status.outline = hands_.select().drawn(parts_.settings.select, hands_.pointed());
   status.volume = hands_.drawnVolume();
   status.stylus = hands_.pointing().holdsStylus();
+  if (session && session->isDrawing() && !session->recentTicks().rows().empty())
+    status.pressed_N = glm::length(session->recentTicks().rows().back().force_N);
   status.brush = hands_.brushHint();
   status.held = &parts_.held;
   status.gpu = parts_.screen.sight().name();
@@ -163,6 +168,7 @@ void WindowReport::writeState(const std::string& file) {
       .messages = parts_.messages,
       .notices = notices(),
       .statusLine = parts_.panels.statusLine(),
+      .cut = parts_.panels.cut(),
       .blocked = brushNotes_.blocked(),
       .camera = parts_.viewpoint.camera(),
       .size_px = parts_.screen.size_px(),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 
 #include "apps/cli/results.hpp"
 #include "apps/view/brush_in_hand.hpp"
@@ -31,7 +32,8 @@ struct WindowState {
   const Messages& messages;
   std::vector<std::string> notices;
   const std::string& statusLine;
-  const std::string& blocked;  ///< ViewStatus::blocked
+  const std::set<std::string>& cut;  ///< Panels::cut()
+  const std::string& blocked;        ///< ViewStatus::blocked
   const Camera& camera;
   UVec2 size_px{0};
   double scale = 1;     ///< Gui::scale()
