@@ -1,7 +1,6 @@
 // Shared by the benches: their options, the models they measure, and the repetition of a measurement.
 #pragma once
 
-#include "apps/bench/plot.hpp"
 #include "apps/bench/tables.hpp"
 #include "apps/cli/backend.hpp"
 #include "apps/cli/results.hpp"
@@ -95,6 +94,15 @@ void warmUp(Context& context, const BenchOptions& options);
 /// with `script` for --plot. Returns the measurements.
 Json measureAlone(Context& context, const BenchOptions& options, const std::string& name,
                   const std::function<Json()>& measure, PlotScript script = PlotScript::bench);
+/// The command of such a bench: it measures with `measure(context, *options)`.
+template <class Its>
+Command measuringAlone(Context& context, const std::shared_ptr<Its>& options, const std::string& name,
+                       Json (*measure)(Context&, const Its&), PlotScript script = PlotScript::bench) {
+  return [&context, options, name, measure, script] {
+    measureAlone(
+        context, *options, name, [&] { return measure(context, *options); }, script);
+  };
+}
 
 /// The quantiles of the samples; null without samples.
 Json summaryOf(const Summary& summary);

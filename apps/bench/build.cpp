@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <numeric>
 
 #include "apps/bench/cub_times.hpp"
 #include "apps/bench/times.hpp"
@@ -9,7 +8,6 @@
 #include "engine/spatial/sorted_grid.hpp"
 #include "engine/spatial/spatial_hash.hpp"
 #include "engine/study/dynamic_tree.hpp"
-#include "engine/study/multimap_hash.hpp"
 
 namespace palpate {
 

@@ -4,11 +4,12 @@
 #include <thread>
 
 #include "apps/bench/bench.hpp"
-#include "apps/bench/coexistence.hpp"
+#include "apps/cli/context.hpp"
 #include "apps/cli/look.hpp"
 #include "apps/cli/parse_list.hpp"
 #include "apps/cli/picture.hpp"
 #include "engine/core/named_values.hpp"
+#include "engine/core/statistics.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/render/frame.hpp"
 #include "engine/spatial/hash_update.hpp"
@@ -19,6 +20,96 @@
 namespace palpate {
 
 namespace {
+
+/// Results of `bench coexist`: touch beside pictures that are drawn as fast as possible.
+/// The pictures drawn during the stroke.
+struct SightPace {
+  std::string gpu;
+  std::uint64_t pictures = 0;
+  double perSecond = 0;
+  Summary picture_ms;               ///< from reading the edits until the picture is complete
+  Summary follow_ms;                ///< the part of picture_ms spent on the edits: points and discs
+  std::uint64_t statesSeen = 0;     ///< states of edited points, as the pictures received them
+  std::uint64_t changedPixels = 0;  ///< pixels that differ between the first picture and the last
+};
+
+/// A stroke in real time on one model, by one arrangement of queues.
+struct Coexistence {
+  std::string subject, backend, queues, situation;
+  std::size_t points = 0;
+  double rate_Hz = 0, duration_s = 0;
+  std::uint64_t ticks = 0, contactTicks = 0;
+  std::uint64_t missedTicks = 0;            ///< dropped because their time had passed
+  double freshShare = 0;                    ///< fraction of the ticks that were answered in time
+  Summary step_us;                          ///< from pose to force
+  double lateP999_us = 0, lateMost_us = 0;  ///< from the time a tick was due to its start
+  bool realtimePriority = false;            ///< granted to the servo thread
+  std::uint64_t edits = 0, leftOut = 0;
+  std::uint64_t statesMade = 0;  ///< states of points that the edits produced
+  double brushRadius_mm = 0;     ///< 0 without edits
+  std::optional<SightPace> sight;
+};
+
+struct CoexistenceResults {
+  std::uint32_t width = 0, height = 0, samples = 1;  ///< of the pictures; samples of a pixel
+  std::vector<Coexistence> rows;
+};
+
+using Value = std::optional<Json>;
+
+template <auto member>
+Value upperQuantiles(decltype(ownerOf(member)) report) {
+  const Summary& s = report.*member;
+  return Json{{"n", s.count}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
+}
+
+constexpr Reported<SightPace> kSight[]{
+    {"gpu", "", "GPU that drew", field<&SightPace::gpu>},
+    {"pictures", "", "pictures drawn", field<&SightPace::pictures>},
+    {"fps", "1/s", "pictures per second", field<&SightPace::perSecond>},
+    {"picture_ms", "ms", "time from reading the edits until the picture is complete",
+     upperQuantiles<&SightPace::picture_ms>},
+    {"follow_ms", "ms", "the part of it spent on the edits", upperQuantiles<&SightPace::follow_ms>},
+    {"states_seen", "", "states of edited points received", field<&SightPace::statesSeen>},
+    {"changed_pixels", "", "pixels that differ between the first picture and the last",
+     field<&SightPace::changedPixels>},
+};
+
+constexpr Reported<Coexistence> kCoexistence[]{
+    {"subject", "", "model", field<&Coexistence::subject>},
+    {"points", "", "its points", field<&Coexistence::points>},
+    {"backend", "", "back end", field<&Coexistence::backend>},
+    {"queues", "", "arrangement of the GPU's queues", field<&Coexistence::queues>},
+    {"situation", "", "whether the hand sculpts and pictures are drawn", field<&Coexistence::situation>},
+    {"rate_Hz", "Hz", "ticks per second", field<&Coexistence::rate_Hz>},
+    {"duration_s", "s", "duration of the stroke", field<&Coexistence::duration_s>},
+    {"ticks", "", "ticks of the stroke", field<&Coexistence::ticks>},
+    {"missed_ticks", "", "ticks skipped because their time had passed", field<&Coexistence::missedTicks>},
+    {"contact_ticks", "", "ticks in contact", field<&Coexistence::contactTicks>},
+    {"fresh_fraction", "1", "fraction of ticks answered in time", field<&Coexistence::freshShare>},
+    {"step_us", "us", "time from pose to force", upperQuantiles<&Coexistence::step_us>},
+    {"late_us.p999", "us", "99.9th percentile of the wake-up latency", field<&Coexistence::lateP999_us>},
+    {"late_us.max", "us", "its maximum", field<&Coexistence::lateMost_us>},
+    {"realtime_priority", "", "whether the servo thread had real-time priority", field<&Coexistence::realtimePriority>},
+    {"edits", "", "edits of the stroke", field<&Coexistence::edits>},
+    {"dropped_edits", "", "dropped edits", field<&Coexistence::leftOut>},
+    {"states_made", "", "states of points that the edits produced", field<&Coexistence::statesMade>},
+    {"brush_radius_mm", "mm", "radius of the brush; 0: no edits", field<&Coexistence::brushRadius_mm>},
+    {"sight", "", "the pictures, if any were drawn",
+     [](const Coexistence& c) -> Value { return partBy(kSight, c.sight); }},
+};
+
+constexpr Reported<CoexistenceResults> kCoexist[]{
+    {"size", "px", "width and height of a picture",
+     [](const CoexistenceResults& r) -> Value {
+       return Json{r.width, r.height};
+     }},
+    {"samples", "", "samples of a pixel", field<&CoexistenceResults::samples>},
+    {"rows", "", "one for each stroke",
+     [](const CoexistenceResults& r) -> Value { return arrayBy(kCoexistence, r.rows); }},
+};
+
+Json toJson(const CoexistenceResults& results) { return jsonBy(kCoexist, results); }
 
 constexpr double kUsualDuration_s = 10;
 
@@ -295,6 +386,12 @@ void addOptions(Options& bench, CoexistBenchOptions& options) {
 
 }  // namespace
 
+void listCoexistBenchResults(std::vector<ResultFacts>& all) {
+  listAlone(all, "coexist", ".", kCoexist);
+  listAlone(all, "coexist", ".rows[].", kCoexistence);
+  listAlone(all, "coexist", ".rows[].sight.", kSight);
+}
+
 void addCoexistBench(Options& bench, Context& context, Command& command) {
   Options& sub = bench.addSubcommand("coexist", "touch while pictures are drawn as fast as possible");
   const auto options = std::make_shared<CoexistBenchOptions>();
@@ -307,9 +404,7 @@ void addCoexistBench(Options& bench, Context& context, Command& command) {
       "second and ms per picture.\n");
   sub.whenNamed([&, options] {
     if (options->sizes.empty() && options->models.empty()) options->sizes = {1'000'000, 5'000'000, 20'000'000};
-    command = [&context, options] {
-      measureAlone(context, *options, "coexist", [&] { return benchCoexist(context, *options); });
-    };
+    command = measuringAlone(context, options, "coexist", benchCoexist);
   });
 }
 

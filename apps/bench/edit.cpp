@@ -356,12 +356,7 @@ void addEditBench(Options& bench, Context& context, Command& command) {
       "force (in virtual time with the whole edit), touched points, full builds of the index, MiB of index and lists, "
       "and the memory of points, index and lists relative to the same cloud without edits; the fraction of touched "
       "points above which a full build is cheaper.\n");
-  sub.whenNamed([&, options] {
-    command = [&context, options] {
-      measureAlone(
-          context, *options, "edit", [&] { return benchEdit(context, *options); }, PlotScript::edit);
-    };
-  });
+  sub.whenNamed([&, options] { command = measuringAlone(context, options, "edit", benchEdit, PlotScript::edit); });
 }
 
 }  // namespace palpate

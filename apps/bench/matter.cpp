@@ -404,11 +404,7 @@ void addMatterBench(Options& bench, Context& context, Command& command) {
       "Time of a step of a millisecond, and per substep, on the GPU's clock including the host's work, while a ball "
       "moves through the matter, or is dragged over a soft body. For a soft body also a frame of the points that it "
       "carries, on the GPU and until they are on the host; and with presses the time of a compliance query.\n");
-  sub.whenNamed([&, options] {
-    command = [&context, options] {
-      measureAlone(context, *options, "matter", [&] { return benchMatter(context, *options); });
-    };
-  });
+  sub.whenNamed([&, options] { command = measuringAlone(context, options, "matter", benchMatter); });
 }
 
 }  // namespace palpate

@@ -1,6 +1,5 @@
 // Cost of a mesh, per pass, and its accuracy.
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <map>
 
@@ -270,11 +269,7 @@ void addMeshBench(Options& bench, Context& context, Command& command) {
   sub.footer(
       "ms on the GPU for each pass of marching cubes and for the update after an edit, memory, and the distance of "
       "vertices and the error of normals relative to known shapes.\n");
-  sub.whenNamed([&, options] {
-    command = [&context, options] {
-      measureAlone(context, *options, "mesh", [&] { return benchMesh(context, *options); });
-    };
-  });
+  sub.whenNamed([&, options] { command = measuringAlone(context, options, "mesh", benchMesh); });
 }
 
 }  // namespace palpate

@@ -103,11 +103,7 @@ void addReadBench(Options& bench, Context& context, Command& command) {
   addRepeatOptions(sub, *options);
   sub.footer(
       "Each file is read once before it is measured. --threads sets the number of threads for LAS and LAZ only.\n");
-  sub.whenNamed([&, options] {
-    command = [&context, options] {
-      measureAlone(context, *options, "read", [&] { return benchRead(context, *options); });
-    };
-  });
+  sub.whenNamed([&, options] { command = measuringAlone(context, options, "read", benchRead); });
 }
 
 }  // namespace palpate

@@ -1,18 +1,116 @@
 // Time until one hand's edit of a shared cloud is felt by another: one hand presses where the other rests. Both belong
 // to this program, so that one clock times both; the server may be anywhere, and every edit goes through it.
+#include <atomic>
+#include <limits>
 #include <random>
 #include <thread>
 
 #include "apps/bench/bench.hpp"
-#include "apps/bench/told_hand.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "engine/cloud/analytic_shape.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/core/latest_value.hpp"
+#include "haptics/devices/haptic_device.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 
 namespace palpate {
 
 namespace {
+
+// A hand that a bench moves, which records the time of arrival and the time of a force change.
+
+constexpr double kChange_N = 0.001;  // far below the smallest force that a hand can feel, far above the changes at rest
+
+/// Positions are in model units. The bench commands it on one thread; ticks run on another. Times are from `clock`.
+class ToldHand final : public HapticDevice {
+ public:
+  /// `clock` must outlive it. It starts at `place`.
+  ToldHand(const Stopwatch& clock, const DVec3& place) : clock_(clock) { goTo(place, true); }
+
+  // For the bench.
+  /// Takes effect at the next tick. `isPutDown`: a jump without motion in between.
+  void goTo(const DVec3& place, bool isPutDown) {
+    target_.store({.place = place, .number = ++told_, .isPutDown = isPutDown});
+  }
+
+  /// When it first reached the last commanded position; empty before that.
+  std::optional<double> arrived_s() const {
+    const std::optional<Arrival> arrival = arrival_.load();
+    if (!arrival || arrival->number != told_) return std::nullopt;
+    return arrival->time_s;
+  }
+
+  struct Felt {
+    DVec3 force_N{0};
+    double since_s = 0;  ///< time of the last change, within the watch's threshold
+    double now_s = 0;
+  };
+  Felt felt() const { return felt_.load().value_or(Felt{}); }
+  /// Records the first change of the force from now on.
+  void watch() {
+    changed_s_ = -1;
+    isWatching_ = true;
+  }
+
+  /// Time of that change; empty before it.
+  std::optional<double> changed_s() const {
+    const double changed_s = changed_s_;
+    return changed_s < 0 ? std::nullopt : std::optional(changed_s);
+  }
+
+  std::string_view name() const override { return "told"; }
+  DeviceLimits limits() const override {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    return {.peakForce_N = kNone, .continuousForce_N = kNone, .fastest_mm_per_s = kNone, .handHeld = false};
+  }
+
+  DeviceState read(double) noexcept override {
+    DeviceState state{.ok = true};
+    if (const auto target = target_.load(); target && target->number != now_.number) {
+      now_ = *target;
+      state.putDown = now_.isPutDown;
+      arrival_.store({.number = now_.number, .time_s = clock_.elapsed_s()});
+    }
+    state.position = now_.place;
+    return state;
+  }
+
+  bool write(const DVec3& force_N) noexcept override {
+    last_.now_s = clock_.elapsed_s();
+    if (glm::distance(force_N, last_.force_N) > kChange_N) {
+      last_.force_N = force_N;
+      last_.since_s = last_.now_s;
+      if (isWatching_.exchange(false)) changed_s_ = last_.now_s;
+    }
+    felt_.store(last_);
+    return true;
+  }
+
+  void emergencyStop() noexcept override {}  // no force to switch off
+  std::string faultText() const override { return {}; }
+
+ private:
+  struct Target {
+    DVec3 place{0};
+    std::uint64_t number = 0;
+    bool isPutDown = false;
+  };
+  struct Arrival {
+    std::uint64_t number = 0;
+    double time_s = 0;
+  };
+  const Stopwatch& clock_;
+  std::uint64_t told_ = 0;
+  LatestValue<Target> target_;
+  LatestValue<Arrival> arrival_;
+  LatestValue<Felt> felt_;
+  std::atomic<bool> isWatching_ = false;
+  std::atomic<double> changed_s_ = -1;
+  // Used only by the ticks' thread.
+  Target now_;
+  Felt last_;
+};
 
 struct ShareOptions {
   std::string name;  // empty: this program serves a sphere

@@ -3,7 +3,6 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/picture_judge.hpp"
-#include "apps/bench/picture_way.hpp"
 #include "apps/cli/look.hpp"
 #include "apps/cli/parse_list.hpp"
 #include "apps/cli/picture.hpp"
@@ -334,11 +333,7 @@ void addSplatBench(Options& bench, Context& context, Command& command) {
       "ms of each pass and of a whole picture, and pictures per second; then pictures of --shapes under --conditions "
       "against rays cast in double precision: pixels without surface, overlap of the silhouettes, error of depth and "
       "of normals. --quick skips the comparison.\n");
-  sub.whenNamed([&, options] {
-    command = [&context, options] {
-      measureAlone(context, *options, "splat", [&] { return benchSplat(context, *options); });
-    };
-  });
+  sub.whenNamed([&, options] { command = measuringAlone(context, options, "splat", benchSplat); });
 }
 
 }  // namespace palpate

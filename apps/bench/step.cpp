@@ -5,7 +5,6 @@
 #include "engine/cloud/point_tree.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 #include "engine/study/dynamic_tree.hpp"
-#include "engine/study/multimap_hash.hpp"
 #include "haptics/builtin_path.hpp"
 
 namespace palpate {

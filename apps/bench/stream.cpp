@@ -308,9 +308,7 @@ void addStreamBench(Options& bench, Context& context, Command& command) {
       "of a map that began empty.\n");
   sub.whenNamed([&, options] {
     if (options->sizes.empty()) options->sizes = {1'000'000, 5'000'000};
-    command = [&context, options] {
-      measureAlone(context, *options, "stream", [&] { return benchStream(context, *options); });
-    };
+    command = measuringAlone(context, options, "stream", benchStream);
   });
 }
 

@@ -288,11 +288,7 @@ void addStrokesBench(Options& bench, Context& context, Command& command) {
       "Half of the strokes start on thin parts, folds or borders, half have the default brush, 2 mm deep at 50 mm/s; "
       "the others have radius, depth and speed by the seed. Stroke K plays on model K modulo the number of models, in "
       "virtual time. Exit code 0 however many strokes fail: the table says which.\n");
-  sub.whenNamed([&command, &context, options] {
-    command = [&context, options] {
-      measureAlone(context, *options, "strokes", [&] { return benchStrokes(context, *options); });
-    };
-  });
+  sub.whenNamed([&command, &context, options] { command = measuringAlone(context, options, "strokes", benchStrokes); });
 }
 
 }  // namespace palpate

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "apps/bench/bench.hpp"
 #include "engine/cloud/counter_random.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/worker_team.hpp"
