@@ -1,11 +1,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 
 #include "apps/cli/config_flags.hpp"
 #include "apps/cli/context.hpp"
-#include "apps/cli/fused_folder.hpp"
 #include "apps/cli/model.hpp"
 #include "apps/cli/output.hpp"
 #include "apps/cli/prepare_options.hpp"
@@ -16,11 +16,15 @@
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/core/counted.hpp"
+#include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
+#include "engine/io/cloud_format.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/foreign_file.hpp"
-#include "engine/io/mesh_format.hpp"
+#include "engine/io/known_formats.hpp"
+#include "engine/io/rgbd_folder.hpp"
 #include "engine/io/saving.hpp"
+#include "engine/motion/frame_fusion.hpp"
 #include "engine/select/chosen_points.hpp"
 #include "engine/select/normal_signs.hpp"
 #include "engine/select/prepared_cloud.hpp"
@@ -30,6 +34,56 @@
 namespace palpate {
 
 namespace {
+
+// A recorded depth camera as one cloud, for commands that take a cloud from a file.
+struct FusedFolder {
+  StoredCloud stored;        ///< in metres
+  std::string kind;          ///< as RgbdFolder::kind()
+  std::uint64_t frames = 0;  ///< in the folder
+  std::uint64_t fused = 0;
+  std::uint64_t unplaced = 0;  ///< without a pose, and tracking failed
+  std::uint64_t lost = 0;      ///< unreadable ones
+};
+
+// Returns false at the end.
+bool readNext(RgbdFolder& stream, FrameFusion& fusion, DepthFrame& frame) {
+  for (;;) {
+    try {
+      return stream.next(frame);
+    } catch (const Error& error) {
+      fusion.countLost(error.what());
+    }
+  }
+}
+
+/// Fuses all frames of a folder with isRgbdFolder(), at their own poses, or at tracked ones if they have none. Logs the
+/// frames left out. Throws FileError if no points remain.
+FusedFolder readFused(Context& context, const std::filesystem::path& folder, const RgbdOptions& options) {
+  Log& log = context.log();
+  RgbdFolder stream(folder, options, &log);
+  FusionOptions fusionOptions;
+  fusionOptions.threads = context.threads();
+  FrameFusion fusion(fusionOptions, {}, &log);
+  DepthFrame frame;
+  for (double done = 1; readNext(stream, fusion, frame); ++done) {
+    fusion.fuse(stream.camera(), frame);
+    log.progress("fusing", done / static_cast<double>(stream.frames()));
+  }
+  log.endProgress();
+  FusedFolder fused{.stored = {.cloud = fusion.map().cloud()},
+                    .kind = std::string(stream.kind()),
+                    .frames = stream.frames(),
+                    .fused = fusion.fused(),
+                    .unplaced = fusion.unplaced(),
+                    .lost = fusion.lost()};
+  if (fused.stored.cloud.empty())
+    throw FileError(folder, fmt::format("its {} frames show no surface: {} were fused, {} could not be placed, {} not "
+                                        "read; check the depth scale ({} values a metre) and the intrinsics",
+                                        fused.frames, fused.fused, fused.unplaced, fused.lost, stream.depthScale()));
+  log.say("{}: {} of {} frames fused into {}, in metres", folder.string(), fused.fused, fused.frames,
+          counted(fused.stored.cloud.size(), "point"));
+  return fused;
+}
 
 struct ConvertOptions {
   std::string input, output, normals = "keep", columns;

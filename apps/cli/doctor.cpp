@@ -3,7 +3,6 @@
 #include "apps/cli/context.hpp"
 #include "apps/cli/doctor_device.hpp"
 #include "apps/cli/doctor_prove.hpp"
-#include "apps/cli/doctor_speed.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "apps/cli/tick_times.hpp"

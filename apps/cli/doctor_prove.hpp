@@ -7,6 +7,11 @@
 
 namespace palpate {
 
+/// What `palpate doctor --speed` measures.
+/// Measures for at most three seconds, longer on a busy machine, and prints as a table: the ticks that a servo loop
+/// reaches, and a tick with an edit of a million points on the CPU and on a GPU other than a software driver.
+Json machineSpeed(std::FILE* out, Context& context);
+
 /// Proves the GPU named by `gpu` (DeviceOptions), with other subgroup sizes if it is wrong with the best one, remembers
 /// the results, and prints them as tables unless `out` is null.
 /// A driver that hangs is reported like a wrong primitive.

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <optional>
 
 #include "engine/core/unknown_name.hpp"
 #include "haptics/session/bounds.hpp"

@@ -1,5 +1,4 @@
-#include "apps/cli/reference.hpp"
-
+// The reference page: everything that a user can name, from the same tables as the program.
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -153,8 +152,7 @@ void addResultRows(std::string& page) {
   }
 }
 
-}  // namespace
-
+/// As Markdown, for apps/REFERENCE.md.
 std::string referencePage(const Options& program) {
   std::string page =
       "# Reference\n\nAll names that a user can rely on. `palpate reference > apps/REFERENCE.md` makes this page; a "
@@ -220,6 +218,7 @@ void addOptions(Json& all, const Options& command, const std::string& name) {
 
 }  // namespace
 
+/// Options, settings and results as JSON.
 Json referenceJson(const Options& program) {
   Json json{{"options", Json::array()}, {"settings", Json::array()}, {"results", Json::array()}};
   addOptions(json["options"], program, "palpate");
@@ -240,6 +239,8 @@ Json referenceJson(const Options& program) {
         {{"command", result.command}, {"key", result.key}, {"unit", result.unit}, {"meaning", result.meaning}});
   return json;
 }
+
+}  // namespace
 
 void addReference(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("reference",

@@ -18,11 +18,11 @@ struct RenderOptions {
   PictureOptions picture;
   MeshChoices mesh;
   std::string output, mode = "splat";
-  std::uint32_t turntable = 0, frames = 0;  ///< pictures of a turntable, or along cameraPath; 0: none, or kFrames
+  std::uint32_t turntable = 0, frames = 0;  ///< pictures of a turntable, or along cameraPath; 0: none, or kUsualFrames
   std::string cameraPath;                   ///< a file; empty: none
 };
 
-constexpr std::uint32_t kFrames = 240;
+constexpr std::uint32_t kUsualFrames = 240;
 
 std::vector<CameraRequest> camerasIn(const std::string& file) {
   TextLines lines(file);
@@ -46,7 +46,7 @@ std::vector<CameraRequest> camerasIn(const std::string& file) {
 /// Number of pictures of a series; 0: one picture.
 std::uint32_t picturesOf(const RenderOptions& options) {
   if (options.cameraPath.empty()) return options.turntable;
-  return options.frames > 0 ? options.frames : kFrames;
+  return options.frames > 0 ? options.frames : kUsualFrames;
 }
 
 void checkRenderOptions(const Context& context, const RenderOptions& options) {
@@ -121,7 +121,8 @@ void addRender(Options& app, Context& context, Command& command) {
           "draw pictures along a smooth way through the cameras of a file, each a line as for --camera; -o as for "
           "--turntable")
       .typeName("FILE.txt");
-  sub.add("--frames", options->frames, fmt::format("number of pictures along --camera-path (default: {})", kFrames))
+  sub.add("--frames", options->frames,
+          fmt::format("number of pictures along --camera-path (default: {})", kUsualFrames))
       .check(inRange(2, 36'000));
   sub.add("--mode", options->mode,
           "splat: a disc per point; points: a sample per point; mesh: the triangles of palpate mesh")

@@ -7,7 +7,6 @@
 #include "apps/cli/setting_options.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "haptics/session/bounds.hpp"
-#include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/session_joiner.hpp"
 
 namespace palpate {

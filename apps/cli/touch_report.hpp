@@ -4,7 +4,7 @@
 #include "apps/cli/sharing_results.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/contact/surface.hpp"
-#include "engine/motion/play_counts.hpp"
+#include "engine/motion/depth_player.hpp"
 #include "engine/motion/rigid_motion.hpp"
 #include "engine/touch/touch_backend.hpp"
 #include "haptics/servo_loop.hpp"

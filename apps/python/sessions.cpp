@@ -170,9 +170,9 @@ void bindTouch(py::class_<PySession>& session) {
           "slide_layer(name, strength, continues=False)\n\n"
           "Gives the strokes of the layer of that name another strength, from -1 to 2: with 0 the points are as before "
           "them, with 1\n"
-          "as after them, to the last bit. Points that the strokes removed are gone from 0.5 on; points that they\n"
-          "inserted slide from their parents, and are gone at 0. What other strokes did since stays. continues:\n"
-          "adds to the slide before, as one change to be undone.")
+          "as after them, to the last bit, and in between on a closed surface; with deep cuts or pulls from 0\n"
+          "to 1. What they cut away is gone from 0.5 on. What other strokes did since goes along, and locked points\n"
+          "stay as they are. continues: adds to the slide before, as one change to be undone.")
       .def(
           "hide_layer",
           [](PySession& self, const std::string& name, bool hidden) {
@@ -394,7 +394,7 @@ void bindPictures(py::class_<PySession>& session) {
           "splats='auto')\n\n"
           "Draws the present points: uint8, height x width x 4, rows from the top. size: width, height,\n"
           "16384 at most. eye, target, up: model units; what is not given is chosen to fit the model. fov:\n"
-          "vertical, degrees. color: rgb, normal, depth, height, or a field of the points. background: three of\n"
+          "vertical, degrees. color: rgb, material, normal, depth, height, or a field. background: three of\n"
           "0 to 255. samples: per pixel, 1 or 4. color_map: viridis, turbo, grey, red-blue, classes, terrain, or auto\n"
           "(classes for the field classification, terrain for height and depth, else viridis). color_range: "
           "'LOW,HIGH', numbers or percentiles as 2%, of a\n"
