@@ -48,7 +48,7 @@ struct Sculptor {
                              .open = layers().open(),
                              .moves = continues ? Points::slideContinued : Points::slide};
     change.set.strength = strength;
-    const std::span<const PointChange> changes = history.slide(change);
+    const std::span<const PointChange> changes = history.slide(change, &lock);
     if (changes.empty()) return history.slideUnseen(std::move(change));
     std::vector<PointState> states;
     for (const PointChange& each : changes) {
@@ -91,6 +91,7 @@ struct Sculptor {
   LayerAttributes attributes;
   History history;
   std::vector<PointState> backend;
+  PointLock lock;
 
  private:
   // Where a point is that does not exist concerns the history alone.
@@ -115,6 +116,13 @@ PointState moved(PointState point, const Vec3& by) {
 PointState removed(PointState point) {
   point.gone = true;
   return point;
+}
+
+// 12 x 12 points at a distance of 1.
+PointCloud gridCloud() {
+  PointCloud cloud = coloredCloud(144);
+  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.positions[i] = Vec3(i % 12, i / 12, 0);
+  return cloud;
 }
 
 }  // namespace
@@ -174,16 +182,16 @@ TEST_CASE("what other strokes and layers have done to a point stays when its lay
 }
 
 TEST_CASE("points that a layer removes return below half its strength, unless something else has removed them") {
-  const PointCloud cloud = coloredCloud(8);
+  const PointCloud cloud = gridCloud();
   Sculptor sculptor(cloud);
   sculptor.open(0, "cut");
-  sculptor.stroke({removed(sculptor[2]), removed(sculptor[3]), moved(sculptor[4], {0, 0, 1})});
+  sculptor.stroke({removed(sculptor[65]), removed(sculptor[66]), moved(sculptor[67], {0, 0, 1})});
   sculptor.open(1, "hole");
-  sculptor.stroke({removed(sculptor[4]), removed(sculptor[5])});
+  sculptor.stroke({removed(sculptor[67]), removed(sculptor[68])});
   sculptor.close();
   const auto there = [&] {
     std::string text;
-    for (std::uint64_t point = 2; point < 6; ++point) text += sculptor[point].gone ? '-' : '+';
+    for (std::uint64_t point = 65; point < 69; ++point) text += sculptor[point].gone ? '-' : '+';
     return text;
   };
   CHECK(there() == "----");
@@ -191,15 +199,15 @@ TEST_CASE("points that a layer removes return below half its strength, unless so
   CHECK(there() == "----");
   sculptor.slide(0, 0.49);
   CHECK(there() == "++--");
-  CHECK(isSameToTheBit(sculptor[2], statesOf(cloud)[2]));
-  sculptor.stroke({removed(sculptor[2])});  // in no layer
+  CHECK(isSameToTheBit(sculptor[65], statesOf(cloud)[65]));
+  sculptor.stroke({removed(sculptor[65])});  // in no layer
   sculptor.slide(0, 1);
   CHECK(there() == "----");
   sculptor.slide(0, 0.25);
   CHECK(there() == "-+--");
   sculptor.slide(1, 0);
   CHECK(there() == "-+++");
-  CHECK(sculptor[4].position.z - cloud.positions[4].z == within(0.25, 1e-6));
+  CHECK(sculptor[67].position.z - cloud.positions[67].z == within(0.25, 1e-6));
   for (int i = 0; i < 3; ++i) CHECK(sculptor.undo());
   CHECK(sculptor.undo());  // the stroke in no layer
   CHECK(there() == "++--");
@@ -209,32 +217,71 @@ TEST_CASE("points that a layer removes return below half its strength, unless so
 }
 
 TEST_CASE("points that a layer inserts slide from their parents, and do not exist at strength 0") {
-  const PointCloud cloud = coloredCloud(8);
+  const PointCloud cloud = gridCloud();
   Sculptor sculptor(cloud);
   sculptor.open(0, "bump");
-  PointState fresh{.position = {9, 9, 9}, .number = 8, .normal = {0, 1, 0}, .color = 0xff00ff00u, .parent = 2};
-  PointState second{.position = {7, 7, 7}, .number = 9, .normal = {0, 0, 1}, .color = 0xff0000ffu, .parent = 8};
-  sculptor.stroke({fresh, second, moved(sculptor[2], {0, 0, 1})});
+  PointState fresh{
+      .position = {5.4f, 5.5f, 0.9f}, .number = 144, .normal = {0, 1, 0}, .color = 0xff00ff00u, .parent = 65};
+  PointState second{
+      .position = {5.4f, 4.6f, 0.7f}, .number = 145, .normal = {0, 0, 1}, .color = 0xff0000ffu, .parent = 144};
+  sculptor.stroke({fresh, second, moved(sculptor[65], {0, 0, 1})});
   sculptor.open(1, "other");
-  sculptor.stroke({moved(sculptor[8], {0, 3, 0})});
+  sculptor.stroke({moved(sculptor[144], {0, 0.2f, 0})});
   sculptor.close();
   for (const double strength : {0.5, 0.125, 2.0}) {
     sculptor.slide(0, strength);
-    const DVec3 parent(cloud.positions[2]);
-    CHECK(glm::distance(DVec3(sculptor[8].position), parent + strength * (DVec3(9) - parent) + DVec3(0, 3, 0)) < 1e-5);
-    CHECK(glm::distance(DVec3(sculptor[9].position), parent + strength * (DVec3(7) - parent)) < 1e-5);
-    CHECK_FALSE(sculptor[8].gone);
+    const DVec3 parent(cloud.positions[65]);
+    CHECK(glm::distance(DVec3(sculptor[144].position),
+                        parent + strength * (DVec3(fresh.position) - parent) + DVec3(0, 0.2f, 0)) < 1e-5);
+    CHECK(glm::distance(DVec3(sculptor[145].position), parent + strength * (DVec3(second.position) - parent)) < 1e-5);
+    CHECK_FALSE(sculptor[144].gone);
   }
-  for (const double strength : {0.0, -0.5}) {
-    sculptor.slide(0, strength);
-    CHECK(sculptor[8].gone);
-    CHECK(sculptor[9].gone);
-    CHECK(sculptor.history.points().present() == 8);
-  }
+  sculptor.slide(0, 0);
+  CHECK(sculptor[144].gone);
+  CHECK(sculptor[145].gone);
+  CHECK(sculptor.history.points().present() == 144);
   sculptor.slide(1, 0.5);  // moves a point that does not exist at present
   sculptor.slide(0, 1);
-  CHECK(glm::distance(DVec3(sculptor[8].position), DVec3(9, 10.5, 9)) < 1e-5);
-  CHECK(isSameToTheBit(sculptor[9], second));
+  CHECK(glm::distance(DVec3(sculptor[144].position), DVec3(5.4f, 5.6f, 0.9f)) < 1e-5);
+  CHECK(isSameToTheBit(sculptor[145], second));
+}
+
+TEST_CASE(
+    "a slide leaves locked points as they are, and moves points that are locked in part by the rest of their way") {
+  Sculptor sculptor(gridCloud());
+  sculptor.open(0, "a");
+  std::vector<PointState> stroke;
+  for (std::uint64_t point = 64; point < 68; ++point) stroke.push_back(moved(sculptor[point], {0, 0, 0.5f}));
+  stroke.push_back(removed(sculptor[68]));
+  sculptor.stroke(stroke);
+  sculptor.close();
+  const std::vector<PointState> after = copyOf(sculptor.history.points());
+  sculptor.lock.points.set(65);
+  sculptor.lock.points.set(68);
+  sculptor.lock.weights.assign(144, 0);
+  sculptor.lock.weights[66] = 51;  // a fifth
+  sculptor.slide(0, 0);
+  for (const std::uint64_t point : {std::uint64_t{65}, std::uint64_t{68}})
+    CHECK(isSameToTheBit(sculptor[point], after[point]));
+  CHECK(sculptor[66].position.z == within(0.1, 1e-6));
+  CHECK(sculptor[67].position.z == 0);
+  const std::string held = sculptor.state();
+  sculptor.slide(0, 0.5);  // locked points go on from where they are
+  CHECK(isSameToTheBit(sculptor[65], after[65]));
+  CHECK(sculptor[66].position.z == within(0.1 + 0.8 * 0.15, 1e-6));
+  CHECK(sculptor.undo());
+  CHECK(sculptor.state() == held);
+  sculptor.lock = {};
+  sculptor.slide(0, 1);
+  for (std::size_t i = 0; i < after.size(); ++i) CHECK(isSameToTheBit(sculptor[i], after[i]));
+  sculptor.slide(0, 0.25);
+  CHECK(sculptor[65].position.z == within(0.125, 1e-6));
+  CHECK(sculptor[66].position.z == within(0.125, 1e-6));
+  CHECK_FALSE(sculptor[68].gone);
+  for (int i = 0; i < 2; ++i) CHECK(sculptor.undo());
+  CHECK(sculptor.state() == held);
+  sculptor.slide(0, 1);
+  for (std::size_t i = 0; i < after.size(); ++i) CHECK(isSameToTheBit(sculptor[i], after[i]));
 }
 
 TEST_CASE("a drag of the strength is one entry, of which the next slide, stroke or undo is not part") {
@@ -306,6 +353,9 @@ TEST_CASE("random strokes, slides and merges of several layers are undone and re
         StrokeLayerChange to{.number = number, .set = layers[number]};
         to.set.strength = static_cast<double>(random() % 13) / 4 - 1;
         if (to.set.strength == layers[number].strength) continue;
+        sculptor.lock = {};
+        if (random() % 2 == 0) sculptor.lock.points = PointSet::range(0, random() % 60);
+        if (random() % 4 == 0) sculptor.lock.weights.assign(61, static_cast<std::uint8_t>(random()));
         sculptor.slide(number, to.set.strength);
         ++slides;
       } else if (kind >= 5) {
@@ -353,6 +403,7 @@ TEST_CASE("layers of strokes pass as bytes, and damaged ones are refused") {
   sculptor.stroke({moved(sculptor[2], {0, 0, 1}), removed(sculptor[3])});
   sculptor.open(1, "b c");
   sculptor.stroke({moved(sculptor[2], {0, 0, 1})});
+  sculptor.lock.points.set(2);
   sculptor.slide(0, 0.3);
   LayerAttributes again;
   for (const AttributeChange& change : sculptor.attributes.all()) {
@@ -370,6 +421,8 @@ TEST_CASE("layers of strokes pass as bytes, and damaged ones are refused") {
     again.exchange(read);
   }
   CHECK(again.all() == sculptor.attributes.all());
+  CHECK(again.strokeLayers()[0].held == std::vector<HeldPoint>{{2, 1}});
+  CHECK(std::get<StrokeLayerChange>(again.all().front()).places.size() > 2);
   CHECK_FALSE(again.fits(StrokeLayerChange{.number = 3}));
   CHECK_FALSE(again.fits(StrokeLayerChange{.number = 2, .open = 3}));
   CHECK_FALSE(again.fits(StrokeLayerChange{.number = 0, .isPresent = false}));

@@ -12,7 +12,6 @@
 #include <deque>
 #include <functional>
 #include <list>
-#include <new>
 #include <vector>
 
 #include "engine/core/error.hpp"

@@ -166,6 +166,41 @@ TEST_CASE("where ticks have the time of the clock, a drawn stylus rests until it
   CHECK(rests.buttons == kSculptButton);
 }
 
+TEST_CASE("a hand without a device presses as hard as long as it wants: there are no motors that get hot") {
+  GuidedTouch device({}, kParked);
+  device.aim({0, 0, 52});
+  SphereContact sphere(50);
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 15});
+  const ServoResult result = loop.run([&](const TraceRow& row) {
+    if (row.time_s > 0.6) device.aim({0, 0, 40});
+  });
+  const auto& rows = result.trace().rows;
+  CHECK(glm::length(rows[2000].force_N) > 2);
+  CHECK(glm::length(rows.back().force_N) == near(glm::length(rows[2000].force_N), 1e-3));
+}
+
+TEST_CASE("a drawn stroke follows the surface that it raises, and is put down again where it stays behind") {
+  const DVec3 up(0, 0, 1);
+  double height = 0;  // of the last time that it was put down
+  const auto putDowns = [&](const DVec3& way, int felt = 400) {
+    GuidedTouch device({}, kParked, {.countsTicks = true});
+    int count = 0;
+    for (int tick = 0; tick < 400; ++tick) {
+      device.draw({.place = {0, 0, 50}, .outward = up, .toEye = up, .inward = 2, .putDown = tick == 0});
+      const DeviceState state = device.read(1e-3 * tick);
+      count += state.putDown;
+      if (state.putDown) height = state.position.z;
+      const DVec3 proxy = DVec3(0, 0, 50) + double(std::max(tick - 50, 0)) * way;
+      device.feel(tick < felt ? std::optional(proxy - state.position) : std::nullopt);
+    }
+    return count;
+  };
+  CHECK(putDowns(0.03 * up) == 1);
+  CHECK(putDowns(DVec3(0.03, 0, 0)) > 1);
+  CHECK(putDowns(0.03 * up, 300) == 2);  // lost: above what it has raised, not in it
+  CHECK(height > 50 + 0.03 * 240);
+}
+
 TEST_CASE("a stroke that is far behind its pointer catches up, if it may") {
   for (const bool catchesUp : {false, true}) {
     GuidedTouch device({}, kParked, {.countsTicks = true, .catchesUp = catchesUp});

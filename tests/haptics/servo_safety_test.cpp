@@ -143,6 +143,8 @@ TEST_CASE("motors driven too hard for too long get the continuous force") {
   CHECK(forceAt(result, 1) == near(3.3, 1e-6));
   CHECK(forceAt(result, 11.9) == near(0.88, 0.01));
   CHECK(result.counts().withheld.hot > 5000);
+  CHECK_FALSE(result.trace().rows[1000].hot);
+  CHECK(result.trace().rows.back().hot);
   for (std::size_t i = 1000; i < result.trace().rows.size(); ++i)
     REQUIRE(glm::distance(result.trace().rows[i].force_N, result.trace().rows[i - 1].force_N) < 0.02);
 }

@@ -33,7 +33,7 @@ TEST_CASE("changes of masks and fields are read back in order with strokes, what
   for (std::uint32_t i = 0; i < 200; ++i) {
     append(all, editsAt(i));
     const unsigned kind = random() % 4;
-    if (kind == 0) all.points.resize(all.points.size() + random() % 600);
+    if (kind == 0) all.points.insert(all.points.end(), random() % 600, PointState());
     if (kind == 1) all.attributes.push_back(changeOf(i, 1 + random() % 3000));
     if (kind == 2) all.attributes.push_back(MaskFlip{.role = MaskRole::locked, .points = PointSet::range(i, 9000)});
     if (kind == 3)
@@ -79,18 +79,20 @@ void writeUnder(const std::filesystem::path& file, std::string content, std::uin
 
 }  // namespace
 
-TEST_CASE("a log of the version before is read, and one of the version after is refused") {
+TEST_CASE("logs of the versions before are read, and one of the version after is refused as of a newer program") {
   const ScratchFolder folder;
   writeSession(folder / "log", 200);
-  writeUnder(folder / "before", contentOf(folder / "log"), 5);
-  const SessionRecord before = readSessionLog(folder / "before");
-  checkBeginning(before);
-  CHECK(before.ticks.size() == 200);
-  CHECK(before.edits.marks == readSessionLog(folder / "log").edits.marks);
-  CHECK(before.end);
-  CHECK(readLoggedEdits(folder / "before").edits.points.size() == 600);
-  writeUnder(folder / "after", contentOf(folder / "log"), 7);
-  CHECK_THROWS_WITH_AS(readSessionLog(folder / "after"), doctest::Contains("version 7"), FileError);
+  for (const std::uint32_t version : {5u, 6u}) {
+    writeUnder(folder / "before", contentOf(folder / "log"), version);
+    const SessionRecord before = readSessionLog(folder / "before");
+    checkBeginning(before);
+    CHECK(before.ticks.size() == 200);
+    CHECK(before.edits.marks == readSessionLog(folder / "log").edits.marks);
+    CHECK(before.end);
+    CHECK(readLoggedEdits(folder / "before").edits.points.size() == 600);
+  }
+  writeUnder(folder / "after", contentOf(folder / "log"), session_file::kVersion + 1);
+  CHECK_THROWS_WITH_AS(readSessionLog(folder / "after"), doctest::Contains("version 8, of a newer palpate"), FileError);
 }
 
 TEST_CASE("a truncated or unknown change of a mask costs its block, and is reported") {
@@ -153,11 +155,11 @@ TEST_CASE("a missing log, another file and another version are refused with a re
   std::string newer = contentOf(folder / "log");
   for (const std::size_t header : {0u, 40u}) newer[header + 8] = 9;
   write(folder / "bad", newer);
-  CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"), doctest::Contains("version 9"), FileError);
+  CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"), doctest::Contains("version 9, of a newer palpate"), FileError);
   for (const std::size_t header : {0u, 40u}) newer[header + 8] = 4;
   write(folder / "bad", newer);
   CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"),
-                       doctest::Contains("bad: is a session log of version 4, and this palpate reads versions 5 and 6"),
+                       doctest::Contains("bad: is a session log of version 4, and this palpate reads versions 5 to 7"),
                        FileError);
   for (const std::size_t header : {0u, 40u}) newer[header + 8] = 5, newer[header + 16] = 1;
   write(folder / "bad", newer);
@@ -167,6 +169,30 @@ TEST_CASE("a missing log, another file and another version are refused with a re
   write(folder / "bad", huge);
   CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"), doctest::Contains("damaged"), FileError);
   CHECK_THROWS_AS(SessionWriter(folder / "no" / "where", ""), FileError);
+}
+
+// A program that does not know what is in a log calls it damaged, unless its version is higher.
+TEST_CASE("the version of a log stands for the layout of its changes") {
+  PointSet points = PointSet::range(3, 70);
+  const std::vector<AttributeChange> changes{
+      MaskFlip{.role = MaskRole::locked, .points = points},
+      FieldChange{.field = 1, .points = PointSet::range(0, 2), .values = {std::byte{1}, std::byte{2}}},
+      FieldPresence{.name = "a", .unit = "mm", .type = 1, .points = 2, .values = {std::byte{7}, std::byte{8}}},
+      StrokeLayerChange{.set = {.name = "b", .strength = 0.5, .held = {{7, 0.25}}},
+                        .open = 0,
+                        .points = {{.before = {.number = 7}, .after = {.number = 7}}},
+                        .places = {{.number = 7, .one = {1, 2, 3}, .kind = LayerPlace::Kind::merged}}}};
+  static_assert(std::variant_size_v<AttributeChange> == 4);
+  Checksum layout;
+  for (const AttributeChange& change : changes) {
+    const std::vector<std::byte> bytes = bytesIn(change);
+    layout.add(bytes);
+    AttributeChange again;
+    REQUIRE(readChange(bytes, again));
+    CHECK(again == change);
+  }
+  CHECK(session_file::kVersion == 7);
+  CHECK(layout.value() == 6951736543620209688u);  // another one: raise the version
 }
 
 TEST_CASE("a log keeps an older log of its name, and replaces no other file and none that is being written") {

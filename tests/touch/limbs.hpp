@@ -3,9 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include <array>
 #include <cmath>
-#include <memory>
 #include <numbers>
 #include <random>
 

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <memory>
-#include <optional>
 #include <vector>
 
 #include "engine/contact/proxy_tracker.hpp"
