@@ -1,9 +1,6 @@
 // palpate bench edit and bench splat: sculpting and pictures.
 #include <fmt/format.h>
 
-#include <map>
-#include <set>
-
 #include "tests/apps/program.hpp"
 #include "tests/labels.hpp"
 #include "tests/near.hpp"

@@ -2,11 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <iterator>
-#include <set>
-#include <sstream>
 
 #include "engine/core/clock.hpp"
 #include "tests/apps/program.hpp"

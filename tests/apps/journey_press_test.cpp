@@ -6,7 +6,6 @@
 #include "engine/io/cloud_formats.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/near.hpp"
-#include "tests/says.hpp"
 
 namespace palpate::journey_press_test {
 

@@ -1,5 +1,4 @@
 // palpate mesh, and render --mode mesh: output files, messages and errors.
-#include <cmath>
 #include <fstream>
 
 #include "tests/apps/program.hpp"

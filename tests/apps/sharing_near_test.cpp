@@ -4,8 +4,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <future>
-#include <optional>
-#include <set>
 #include <sstream>
 #include <utility>
 #include <vector>

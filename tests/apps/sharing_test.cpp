@@ -5,7 +5,6 @@
 #include <future>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <utility>
 #include <vector>
 

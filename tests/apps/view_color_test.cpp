@@ -220,7 +220,7 @@ TEST_CASE("a selection is kept as a field, which an expression finds; its errors
 0.3 key delete
 0.4 where intensity >= 40 && z > 0
 0.5 state %/where.json
-0.6 click name of the selection
+0.6 click name of the field
 0.8 text right
 0.9 key enter
 1.1 state %/kept.json

@@ -163,6 +163,28 @@ TEST_CASE("while the stylus is held Shift smooths and Ctrl inverts, also when it
   CHECK(least > -0.05);
 }
 
+TEST_CASE("a stroke keeps the size of the brush with which it began, and is one change whatever keys are pressed") {
+  if (!hasDisplay()) return;
+  const auto played = playWell(kWindow, sphereOf(2000), R"(
+0.1 mouse 132 180
+0.3 key space down
+0.5 state %/before.json
+0.6 button left down
+0.9 key ]
+1.1 key ]
+1.3 state %/pressed.json
+1.4 mouse 142 180
+1.7 button left up
+2.4 state %/after.json
+2.5 quit
+)");
+  const auto number = [&](const char* name, const char* key) { return played->state(name)[key].get<double>(); };
+  CHECK(number("pressed.json", "brush_radius_mm") == number("before.json", "brush_radius_mm"));
+  CHECK(number("after.json", "brush_radius_mm") == near(1.21 * number("before.json", "brush_radius_mm"), 1e-6));
+  CHECK(number("pressed.json", "edits") > 0);
+  CHECK(number("after.json", "undo_count") == 1);
+}
+
 TEST_CASE("Esc takes the stroke in hand back to the bit, and otherwise does what it did") {
   if (!hasDisplay()) return;
   const auto played = playWell(kWindow, sphereOf(2000), R"(

@@ -105,6 +105,7 @@ TEST_CASE("keys choose the brush, keep the stylus engaged and switch the forces 
   script += R"(
 3.8 key 1
 4.0 key [
+4.1 key g
 4.2 key t
 4.5 state %/kept.json
 4.6 key space
@@ -131,6 +132,8 @@ TEST_CASE("keys choose the brush, keep the stylus engaged and switch the forces 
   CHECK(kept["brush_radius_mm"] < played->state("begin.json")["brush_radius_mm"]);
   CHECK(played->state("begin.json")["stylus"] == false);
   CHECK(kept["stylus"] == true);
+  CHECK(kept["last_message"] ==
+        "hand gain 0.50: for a device in the hand; the mouse moves the stylus as far as the cursor");
   CHECK(played->state("still_kept.json")["stylus"] == true);  // releasing Space does not release the stylus
   const auto force_N = [&](const char* name) { return glm::length(vecOf(played->state(name)["force_N"])); };
   CAPTURE(played->state("pressed.json").dump());

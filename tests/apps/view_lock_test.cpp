@@ -60,4 +60,48 @@ TEST_CASE("a lock with a soft rim is inverted, sharpened, undone step by step, a
   for (std::size_t i = 0; i < weights.size(); ++i) CHECK(weights[i] + inverse[i] == 255);
 }
 
+TEST_CASE("a brush locks what it passes over, with its falloff, and with Ctrl it frees that, each undone at once") {
+  if (!hasDisplay()) return;
+  const auto played = playWell("%/sphere.ply --size 900x600 --rate 250", sphereOf(4000), R"(
+0.1 key s
+0.2 key shift+b
+0.22 click falloff
+0.26 click sphere
+0.3 mouse 320 250
+0.5 button left down
+0.6 mouse 380 300
+0.7 button left up
+1.0 state %/soft.json
+1.1 screenshot %/soft.png
+1.2 key ctrl+z
+1.4 state %/undone.json
+1.5 click falloff
+1.7 click flat
+1.9 mouse 320 250
+2.1 button left down
+2.2 mouse 380 300
+2.3 button left up
+2.5 state %/flat.json
+2.6 key ctrl down
+2.7 mouse 350 275
+2.8 button left down
+2.9 button left up
+3.0 key ctrl up
+3.2 state %/freed.json
+3.3 quit
+)");
+  const auto count = [&](const char* name, const char* key) {
+    return played->state(name)["selection"][key].get<int>();
+  };
+  CHECK(played->state("soft.json")["selection"]["shape"] == "lock");
+  CHECK(count("soft.json", "locked") > 20);
+  CHECK(count("soft.json", "locked_in_part") > count("soft.json", "locked") / 2);
+  CHECK(count("undone.json", "locked") == 0);
+  CHECK(count("flat.json", "locked") >= count("soft.json", "locked"));
+  CHECK(count("flat.json", "locked_in_part") == 0);
+  CHECK(count("freed.json", "locked") < count("flat.json", "locked"));
+  CHECK(count("freed.json", "locked") > 0);
+  CHECK(played->state("freed.json")["errors"].empty());
+}
+
 }  // namespace palpate::view_lock_test

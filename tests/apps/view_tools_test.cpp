@@ -302,4 +302,16 @@ TEST_CASE("F11 covers the screen, and brings the window back") {
   CHECK(played->state("back.json")["size"] == std::vector{900, 600});
 }
 
+TEST_CASE("the window opens where it was closed, and on a screen that is there") {
+  if (!hasDisplay()) return;
+  const ScratchFolder folder;
+  const std::filesystem::path kept = folder / "palpate" / "window";
+  std::filesystem::create_directories(kept.parent_path());
+  std::ofstream(kept) << "first_steps no\nleft 5000\ntop 300\nwidth 640\nheight 480\n";
+  const Outcome closed = run(fmt::format(
+      "XDG_STATE_HOME={0} XDG_CONFIG_HOME={0} xvfb-run -a -s '-screen 0 1600x1000x24' timeout -s INT 15 {1} --quiet",
+      folder.path().string(), program()));
+  CHECK_MESSAGE(says(contentOf(kept), "left 960\ntop 300\nwidth 640\nheight 480\n"), closed.text);
+}
+
 }  // namespace palpate::view_tools_test

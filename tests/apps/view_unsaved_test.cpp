@@ -186,7 +186,7 @@ TEST_CASE("classes and kept selections survive SIGKILL, with their undo, and rea
   strike(struck, SIGKILL, R"(0.1 where x > 0
 0.2 value classification 6
 0.3 key s
-0.4 click name of the selection
+0.4 click name of the field
 0.6 text half
 0.7 key enter
 )");
