@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "engine/gpu/validation.hpp"
+#include "engine/gpu/instance.hpp"
 
 namespace palpate {
 

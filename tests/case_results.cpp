@@ -12,10 +12,8 @@
 #include <iomanip>
 #include <ostream>
 #include <sstream>
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "tests/surroundings.hpp"
 #include "tests/unmoved_reporter.hpp"

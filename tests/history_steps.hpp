@@ -1,7 +1,6 @@
 // Undo and redo of a history without a back end.
 #pragma once
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 

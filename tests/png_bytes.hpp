@@ -6,7 +6,6 @@
 #include <fstream>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace palpate {
 

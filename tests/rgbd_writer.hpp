@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <glm/gtc/quaternion.hpp>
-#include <memory>
 
 #include "engine/cloud/ray_cast.hpp"
 #include "engine/core/depth_stream.hpp"

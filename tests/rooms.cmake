@@ -45,7 +45,7 @@ palpate_tests(edit LINKS palpate::edit_host)
 set(both_back_ends touch/accumulate_test.cpp touch/bad_input_test.cpp touch/hands_test.cpp touch/limbs_test.cpp
     touch/locked_test.cpp touch/moving_test.cpp touch/offered_test.cpp touch/press_test.cpp touch/replace_test.cpp
     touch/stream_test.cpp touch/thin_parts_test.cpp touch/trench_test.cpp)
-palpate_tests(touch LINKS palpate::touch_host WITH touch/cpu_back_end.cpp allocation_count.cpp)
+palpate_tests(touch LINKS palpate::touch_host palpate::io WITH touch/cpu_back_end.cpp allocation_count.cpp)
 palpate_tests(mesh LINKS palpate::mesh_host)
 palpate_tests(haptics LINKS palpate::haptics WITH fake_devices/fake_haply.cpp allocation_count.cpp)
 palpate_system_sources(tests_haptics fake_devices/mapped_note)

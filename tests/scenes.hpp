@@ -1,7 +1,6 @@
 // Clouds and motions shared by tests and measurements.
 #pragma once
 
-#include <bit>
 #include <random>
 #include <string_view>
 

@@ -18,7 +18,7 @@ class PoseTracker {
 
   /// Searches for a pose near an expected one, with these options.
   using Search = std::function<IcpResult(const CameraPose& expected, const IcpOptions& options)>;
-  /// The pose of `frame`, by `search` if it has none; nothing if that fails, and result() says why. The first frame
+  /// The pose of `frame`, by `search` if it is unknown; nothing if that fails, and result() says why. The first frame
   /// without a pose is at the world's origin.
   std::optional<CameraPose> place(const DepthFrame& frame, const Search& search);
   /// Result of the last search; state `found` if none was needed.

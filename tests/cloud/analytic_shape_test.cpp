@@ -5,9 +5,8 @@
 #include <numbers>
 #include <string>
 
-#include "engine/cloud/area_table.hpp"
 #include "engine/cloud/counter_random.hpp"
-#include "engine/cloud/jet.hpp"
+#include "engine/cloud/parametric_shape.hpp"
 #include "engine/cloud/point_tree.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/core/error.hpp"

@@ -4,8 +4,6 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <fstream>
-#include <sstream>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/error.hpp"

@@ -2,8 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <fstream>
-
 #include "engine/core/error.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "engine/io/ply_writer.hpp"

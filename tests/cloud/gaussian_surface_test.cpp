@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/vector_relational.hpp>
-#include <limits>
 #include <memory>
 #include <numbers>
 #include <vector>

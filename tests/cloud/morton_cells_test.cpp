@@ -1,5 +1,4 @@
 // Cells by Morton codes: sort order, lookup, and neighbourhood.
-#include "engine/cloud/morton_cells.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +8,7 @@
 #include <vector>
 
 #include "engine/cloud/counter_random.hpp"
-#include "engine/cloud/morton_sort.hpp"
+#include "engine/cloud/morton.hpp"
 
 namespace palpate::morton_cells_test {
 namespace {

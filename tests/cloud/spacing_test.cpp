@@ -9,7 +9,6 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/counter_random.hpp"
-#include "engine/cloud/noise.hpp"
 #include "engine/cloud/thinning.hpp"
 #include "tests/labels.hpp"
 #include "tests/near.hpp"

@@ -1,7 +1,6 @@
 // Nearest positions and ray casts, compared with shapes whose closest points and intersections are known.
 #include <doctest/doctest.h>
 
-#include <cstring>
 #include <limits>
 #include <string_view>
 

@@ -6,7 +6,6 @@
 
 #include <csignal>
 #include <fstream>
-#include <sstream>
 
 #include "engine/core/atomic_file.hpp"
 #include "engine/core/error.hpp"

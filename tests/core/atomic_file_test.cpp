@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <fstream>
-#include <sstream>
 
 #include "engine/core/error.hpp"
 #include "tests/content_of.hpp"

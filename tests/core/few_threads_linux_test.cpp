@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include "engine/core/background_task.hpp"
-#include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/core/worker_team.hpp"
 #include "tests/error_of.hpp"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 
 #include "engine/core/error.hpp"
 #include "tests/near.hpp"

@@ -281,11 +281,11 @@ TEST_CASE("the core includes no annex, except the headers that stand in for one 
       CHECK_MESSAGE((isAnnex(from) || !isAnnex(to)), from << " may include all of " << to);
   CHECK(complaint("haptics/session/session.cpp", "haptics/sharing/brick_touch.hpp"));
   CHECK(complaint("haptics/session/model.cpp", "engine/matter/matter_scene.hpp"));
-  CHECK(complaint("haptics/library/open_matter.cpp", "haptics/simulation/scene_names.hpp"));
+  CHECK(complaint("haptics/library/matter.cpp", "haptics/simulation/scene_names.hpp"));
   CHECK(complaint("engine/touch/cpu_touch.cpp", "engine/matter/soft_touch.hpp"));
   CHECK(complaint("apps/cli/touch.cpp", "haptics/sharing/brick_source.hpp"));
-  CHECK(complaint("engine/contact/gather.cpp", "engine/study/gather_brute.hpp"));
-  CHECK(complaint("apps/cli/render.cpp", "apps/bench/picture_way.hpp"));
+  CHECK(complaint("engine/contact/gather.cpp", "engine/study/dynamic_tree.hpp"));
+  CHECK(complaint("apps/cli/render.cpp", "apps/bench/picture_judge.hpp"));
   CHECK_FALSE(complaint("apps/cli/serve.cpp", "haptics/sharing/shared_cloud.hpp"));
 }
 

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "engine/core/error.hpp"
-#include "engine/io/camera_pose.hpp"
 #include "tests/error_of.hpp"
 #include "tests/io/file_cases.hpp"
 #include "tests/rgbd_writer.hpp"

@@ -10,8 +10,7 @@
 
 #include "engine/core/atomic_file.hpp"
 #include "engine/core/error.hpp"
-#include "engine/io/mesh_format.hpp"
-#include "engine/io/ply_format.hpp"
+#include "engine/io/known_formats.hpp"
 #include "engine/io/saving.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/source_folder.hpp"

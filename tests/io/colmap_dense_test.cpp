@@ -1,6 +1,6 @@
 // A PLY file with the views of its points beside it: its normals face the images that saw them, and invalid views are
 // refused with their byte.
-#include "engine/io/colmap_dense_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 // COLMAP's folders: both forms give the same cloud, whose normals face the cameras, invalid content is refused with its
 // line or byte, and a corner of a camera's frustum is projected to the corner of its picture.
-#include "engine/io/colmap_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,7 +14,6 @@
 #include "engine/cloud/up.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
-#include "engine/io/colmap_frusta.hpp"
 #include "engine/io/colmap_model.hpp"
 #include "engine/io/saving.hpp"
 #include "tests/colmap_writer.hpp"

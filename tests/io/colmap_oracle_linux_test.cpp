@@ -9,7 +9,6 @@
 #include <tuple>
 
 #include "engine/io/cloud_formats.hpp"
-#include "engine/io/colmap_frusta.hpp"
 #include "engine/io/colmap_model.hpp"
 #include "tests/colmap_writer.hpp"
 #include "tests/near.hpp"

@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <cstdio>
-#include <limits>
 #include <string>
 #include <vector>
 

@@ -1,9 +1,7 @@
 // E57: conversion of its numbers, poses of several scans, and damaged files.
-#include "engine/io/e57_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <doctest/doctest.h>
-
-#include <fstream>
 
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"

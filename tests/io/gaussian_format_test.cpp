@@ -1,6 +1,6 @@
 // Files of Gaussians, plain and packed for the web: identified by their header, read in every encoding, refused with
 // line or byte, and never overwritten by points.
-#include "engine/io/gaussian_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <cmath>
 #include <limits>

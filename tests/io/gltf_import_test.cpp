@@ -1,5 +1,4 @@
 // The reader of glTF: buffers, nodes, instances, colours, extensions, and errors.
-#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "tests/io/gltf_bytes.hpp"

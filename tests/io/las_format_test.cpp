@@ -1,6 +1,6 @@
 // LAS: conversion of the numbers of points, and damaged files; unchanged points are written byte by byte, and
 // unavoidable changes are defined.
-#include "engine/io/las_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +9,7 @@
 #include "engine/cloud/length_unit.hpp"
 #include "engine/io/saving.hpp"
 #include "tests/io/las_points.hpp"
+#include "tests/near.hpp"
 
 namespace palpate::test::las_format_test {
 

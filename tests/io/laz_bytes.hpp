@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
 #include "engine/io/integer_model.hpp"
 #include "engine/io/laz_chunk.hpp"

@@ -1,5 +1,5 @@
 // Meshes: a written mesh is read again as evenly spread points of its surface, and invalid meshes are refused.
-#include "engine/io/mesh_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <doctest/doctest.h>
 

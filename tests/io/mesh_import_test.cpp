@@ -7,7 +7,6 @@
 #include <cmath>
 #include <fstream>
 #include <glm/geometric.hpp>
-#include <set>
 
 #include "engine/core/error.hpp"
 #include "engine/io/polygon.hpp"

@@ -1,5 +1,5 @@
 // Arrays of NumPy, alone and in archives: meaning of their columns, and errors with their byte.
-#include "engine/io/npy_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <doctest/doctest.h>
 

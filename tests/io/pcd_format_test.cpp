@@ -1,10 +1,9 @@
 // PCD in its three encodings: meaning of the fields, errors with line or byte, and lossless conversion.
-#include "engine/io/pcd_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <doctest/doctest.h>
 
 #include <bit>
-#include <cmath>
 #include <limits>
 
 #include "engine/io/lzf.hpp"

@@ -6,11 +6,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <vector>
 
 #include "engine/io/ply_header.hpp"
 #include "tests/error_of.hpp"

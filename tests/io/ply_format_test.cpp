@@ -1,5 +1,5 @@
 // PLY: losses of reading, clouds written and read unchanged, and files of other programs.
-#include "engine/io/ply_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <doctest/doctest.h>
 

@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <fstream>
-#include <sstream>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/io/ply_reader.hpp"

@@ -1,8 +1,6 @@
 // Inputs that users of other programs reported as failing, kept outside the repository with the correct results.
 #include <doctest/doctest.h>
 
-#include <functional>
-
 #include <glm/common.hpp>
 
 #include "engine/core/error.hpp"

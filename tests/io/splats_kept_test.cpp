@@ -123,7 +123,8 @@ TEST_CASE("formats that cannot hold Gaussians name them as lost, and fields of t
   CHECK(contains(notKept, sentence));
   stored.cloud.extra.push_back({"label", ScalarType::u8, std::vector<std::byte>(stored.cloud.size())});
   saveKeeping(folder / "b.ply", stored.cloud, {.notKept = &notKept});
-  CHECK(notKept == "not kept: the attribute 'label' of the felt points");
+  CHECK(notKept ==
+        "not kept: 'label' of the felt surface (a splat file contains only splats; save a .las file to keep it)");
 }
 
 TEST_CASE("a splat scene is saved in its own file, and its former version is kept") {

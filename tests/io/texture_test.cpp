@@ -7,7 +7,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "engine/io/gltf_textures.hpp"
+#include "engine/io/gltf_parts.hpp"
 #include "tests/io/file_cases.hpp"
 #include "tests/io/gltf_bytes.hpp"
 #include "tests/png_bytes.hpp"

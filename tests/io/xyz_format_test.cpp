@@ -1,6 +1,6 @@
 // Points as lines of text, also as Windows, spreadsheets, surveyors and scanners write them: meaning of the columns,
 // errors with their line, and lossless conversion.
-#include "engine/io/xyz_format.hpp"
+#include "engine/io/known_formats.hpp"
 
 #include <doctest/doctest.h>
 

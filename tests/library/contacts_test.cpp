@@ -1,7 +1,6 @@
 // Beginning and end of contacts: by path, tick by tick and live.
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <stdexcept>
 #include <thread>
 

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
-#include <thread>
 
 #include "tests/library/ball.hpp"
 #include "tests/own_domain.hpp"

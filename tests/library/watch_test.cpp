@@ -1,5 +1,4 @@
 // Long calls observed by the program: they end soon when it asks for it, and their partial results are consistent.
-#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <thread>

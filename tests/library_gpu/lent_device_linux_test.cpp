@@ -1,6 +1,5 @@
 // A Vulkan device created by a program and lent through the C interface: used for contact, sculpting, pictures and
 // meshes, and left usable.
-#include <algorithm>
 #include <atomic>
 #include <thread>
 

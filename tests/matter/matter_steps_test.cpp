@@ -5,7 +5,6 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
-#include <thread>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/error.hpp"

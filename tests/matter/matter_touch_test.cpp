@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/clock.hpp"

@@ -1,5 +1,4 @@
 // A closed, fixed cloud in water or sand.
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <numbers>

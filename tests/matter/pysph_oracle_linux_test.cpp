@@ -1,7 +1,6 @@
 // A dam break compared with an independent program, PySPH, if it is installed.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>

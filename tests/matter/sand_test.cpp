@@ -1,5 +1,4 @@
 // Grains with friction.
-#include <cmath>
 
 #include "tests/matter/matter_scenes.hpp"
 

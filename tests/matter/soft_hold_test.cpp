@@ -1,5 +1,4 @@
 // Hands so deep in a soft body that the points around them no longer define its surface. Needs no GPU.
-#include <optional>
 #include <string>
 
 #include "tests/labels.hpp"

@@ -5,10 +5,8 @@
 #include <random>
 
 #include "engine/cloud/analytic_shape.hpp"
-#include "engine/matter/soft_embedding.hpp"
 #include "engine/matter/soft_scan.hpp"
 #include "engine/matter/soft_world.hpp"
-#include "engine/matter/winding_number.hpp"
 #include "tests/error_of.hpp"
 #include "tests/matter/matter_scenes.hpp"
 #include "tests/near.hpp"

@@ -2,9 +2,9 @@
 #include <glm/gtc/quaternion.hpp>
 #include <random>
 
-#include "engine/matter/soft_brush.hpp"
 #include "engine/matter/soft_scene.hpp"
 #include "engine/matter/soft_sculpture.hpp"
+#include "engine/matter/soft_source.hpp"
 #include "engine/matter/soft_world.hpp"
 #include "tests/edit/tool_at.hpp"
 #include "tests/history_steps.hpp"

@@ -1,6 +1,5 @@
 // Water compared with hydrostatics, conservation laws, and itself.
 #include <algorithm>
-#include <cmath>
 
 #include "tests/matter/matter_scenes.hpp"
 

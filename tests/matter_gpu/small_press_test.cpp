@@ -1,5 +1,4 @@
 // Hands that press on soft bodies on the GPU: physical checks, and against the CPU.
-#include <array>
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/matter/soft_scan.hpp"

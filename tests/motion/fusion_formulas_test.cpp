@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "engine/motion/pixel_surface.hpp"
+#include "engine/motion/fusion.hpp"
 #include "shaders/shared/icp.h"
 #include "tests/motion/depth_scene.hpp"
 #include "tests/near.hpp"

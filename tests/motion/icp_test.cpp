@@ -6,7 +6,7 @@
 #include <random>
 
 #include "engine/core/error.hpp"
-#include "engine/motion/pixel_surface.hpp"
+#include "engine/motion/fusion.hpp"
 #include "tests/motion/depth_scene.hpp"
 #include "tests/near.hpp"
 

@@ -1,5 +1,5 @@
 // The pose assumed for a frame before its image is examined.
-#include "engine/motion/pose_tracker.hpp"
+#include "engine/motion/frame_intake.hpp"
 
 #include <doctest/doctest.h>
 

@@ -10,7 +10,7 @@
 
 #include "engine/cloud/point_tree.hpp"
 #include "engine/core/error.hpp"
-#include "engine/motion/pixel_surface.hpp"
+#include "engine/motion/fusion.hpp"
 #include "tests/motion/depth_scene.hpp"
 #include "tests/near.hpp"
 

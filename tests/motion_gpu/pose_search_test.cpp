@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 
-#include "engine/motion/pixel_surface.hpp"
+#include "engine/motion/fusion.hpp"
 #include "engine/motion/pose_search_pass.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"

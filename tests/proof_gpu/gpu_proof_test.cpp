@@ -4,7 +4,6 @@
 #include "engine/core/named_values.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
-#include "tests/says.hpp"
 
 namespace palpate::gpu_proof_test {
 

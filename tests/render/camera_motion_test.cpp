@@ -68,10 +68,16 @@ TEST_CASE("zooming goes to the point under the mouse, which stays on screen, wit
   CHECK(zoomed(camera, point, 0.5, 0.1, 100).eye == point);  // no distance left to move
 }
 
-TEST_CASE("a new centre keeps direction and distance, a view axis keeps the distance") {
+TEST_CASE("a new centre keeps direction and size, a view axis keeps the distance") {
   const Camera camera = someCamera();
-  const Camera moved = recentred(camera, {5, 6, 7});
-  CHECK(moved.target == DVec3(5, 6, 7));
+  const DVec3 center = camera.target + DVec3(0.5, 0.6, -0.7);
+  const auto depthOf = [&](const Camera& of) { return glm::dot(center - of.eye, of.axes().forward); };
+  const Camera moved = recentred(camera, center);
+  CHECK(moved.target == center);
+  CHECK(depthOf(moved) == near(depthOf(camera), 1e-9));
+  CHECK(glm::distance(recentred(moved, center).eye, moved.eye) < 1e-9);
+  const DVec3 behind = camera.eye - camera.axes().forward;
+  CHECK(glm::distance(recentred(camera, behind).eye, behind) == near(glm::distance(camera.eye, camera.target), 1e-9));
   CHECK(glm::distance(moved.axes().forward, camera.axes().forward) < 1e-12);
   const double distance = glm::distance(camera.eye, camera.target);
   for (int axis = 0; axis < 3; ++axis)

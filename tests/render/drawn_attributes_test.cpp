@@ -55,6 +55,8 @@ DVec3 tinted(const DVec3& color) {
   return glm::mix(color, DVec3(shared::kSelectedColor), static_cast<double>(shared::kSelectedShare));
 }
 
+double brightness(const DVec3& color) { return glm::dot(color, DVec3(0.2126, 0.7152, 0.0722)); }
+
 class AttributesFixture : public PictureFixture {
  protected:
   Seen see(const DrawnCloud& cloud, const ColorBy& color = ColorSource::rgb, Raster raster = Raster::compute) {
@@ -85,6 +87,7 @@ TEST_CASE_FIXTURE(AttributesFixture, "selected points are tinted and hidden ones
       const std::uint64_t bytes = drawn.bytes();
       const Seen before = see(drawn, ColorSource::rgb, raster);
       CHECK(isColor(before.left(), own));
+      CHECK(isColor(see(drawn, ColorSource::material, raster).left(), encoded(kUnpainted)));
       const std::vector<AttributeChange> selects{MaskFlip{.role = MaskRole::selected, .points = leftOf(cloud)}};
       const std::vector<AttributeChange> hides{MaskFlip{.role = MaskRole::hidden, .points = leftOf(cloud)}};
       const std::vector<AttributeChange> locks{MaskFlip{.role = MaskRole::locked, .points = leftOf(cloud)}};
@@ -93,6 +96,15 @@ TEST_CASE_FIXTURE(AttributesFixture, "selected points are tinted and hidden ones
 
       drawn.attributes().follow(selects);
       const Seen selected = see(drawn, ColorSource::rgb, raster);
+      // A lock stays visible below a selection, and the selection above a lock.
+      std::vector<std::uint8_t> weights(cloud.size(), 255);
+      drawn.attributes().showLock(weights);
+      const Seen both = see(drawn, ColorSource::rgb, raster);
+      drawn.attributes().showLock({});
+      CHECK(brightness(both.left()) < 0.7 * brightness(selected.left()));
+      CHECK(both.left().x > 2.5 * both.left().z);
+      CHECK(both.right().x < 1.5 * both.right().z);
+      CHECK(glm::distance(both.left(), both.right()) > 0.2);
       CHECK(isColor(selected.left(), tinted(own)));
       CHECK(isColor(selected.right(), own));
       CHECK(selected.depth.depth == before.depth.depth);

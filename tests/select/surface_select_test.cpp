@@ -110,6 +110,22 @@ TEST_CASE("points in balls, and what grows and shrinks, are those of all pairs")
   CHECK(pointsInBalls(ball(100), PointBits(100), {}, 5).count() == 0);
 }
 
+TEST_CASE("weights in balls fall off towards their rims, from the nearest one, as a brush does") {
+  const std::vector<PointState> points = scattered(300, 11);
+  const PointBits among = shownPoints(points, {});
+  const std::vector<Vec3> centres{points[0].position, points[50].position};
+  for (const std::uint32_t falloff : {0u, 1u, 5u}) {
+    const std::vector<std::uint8_t> weights = weightsInBalls(points, among, centres, 0.3, falloff, 2);
+    REQUIRE(weights.size() == points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double r = std::min(distance(points[i], points[0]), distance(points[i], points[50])) / 0.3;
+      const double expected = r < 1 && among.test(i) ? 255 * std::pow(1 - r * r, falloff) : 0;
+      CHECK(std::abs(weights[i] - expected) <= 0.501);
+    }
+  }
+  CHECK(std::ranges::count(weightsInBalls(points, among, {}, 0.3, 1), 0) == 300);
+}
+
 TEST_CASE("connected points are those that steps of the reach lead to") {
   for (const std::size_t count : kCounts)
     for (const double reach : {0.0, 0.12, 0.2, 5.0}) {

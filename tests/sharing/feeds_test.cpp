@@ -1,8 +1,6 @@
 // What is in the samples of a stream: points as served and then edits, or the bricks around hands.
 #include <doctest/doctest.h>
 
-#include <thread>
-
 #include "engine/cloud/edited_cloud.hpp"
 #include "haptics/sharing/near_feed.hpp"
 #include "haptics/sharing/whole_feed.hpp"

@@ -4,19 +4,72 @@
 #include <chrono>
 #include <cstring>
 #include <map>
+#include <random>
 #include <string>
 #include <thread>
+#include <unordered_set>
 
+#include "engine/cloud/point_store.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/edit/history.hpp"
-#include "haptics/sharing/served_bricks.hpp"
+#include "haptics/sharing/brick_ledger.hpp"
 #include "haptics/sharing/shared_points.hpp"
 #include "tests/sharing/brick_hand.hpp"
-#include "tests/sharing/flaky_store.hpp"
 
 namespace palpate::point_store_test {
 
 namespace {
+
+/// A store of points that has only some of them at a time, and damages a few.
+/// Of the wanted blocks of another store, each comes with every second look, in no order. One in eight comes damaged;
+/// it is repaired when it is refused, unless `staysDamaged`.
+class FlakyStore final : public PointStore {
+ public:
+  FlakyStore(PointStore& whole, unsigned seed, bool staysDamaged = false)
+      : whole_(whole), random_(seed), staysDamaged_(staysDamaged) {}
+
+  const BrickGrid& grid() const override { return whole_.grid(); }
+  void want(std::span<const BrickKey> keys) override {
+    wanted_.assign(keys.begin(), keys.end());
+    whole_.want(keys);
+  }
+  std::optional<PointBlock> get(BrickKey key) const override {
+    if (!here_.contains(key)) {
+      ++notHere_;
+      return std::nullopt;
+    }
+    auto block = whole_.get(key);
+    if (block && damaged_.contains(key)) block->checksum ^= 1;
+    return block;
+  }
+  void takeNews(std::vector<BrickKey>& keys) override {
+    whole_.takeNews(keys);
+    for (const BrickKey key : wanted_) {
+      if (random_() % 2 == 0 || here_.contains(key)) continue;
+      keys.push_back(key);
+      here_.insert(key);
+      if (random_() % 8 == 0 && damaged_.insert(key).second) ++damages_;
+    }
+  }
+  void refuse(BrickKey key) override {
+    ++refusals_;
+    here_.erase(key);
+    if (!staysDamaged_) damaged_.erase(key);
+  }
+  std::size_t refusals() const { return refusals_; }
+  std::size_t damages() const { return damages_; }
+  std::size_t notHere() const { return notHere_; }
+  bool isDamaged(BrickKey key) const { return damaged_.contains(key); }
+
+ private:
+  PointStore& whole_;
+  std::mt19937 random_;
+  bool staysDamaged_;
+  std::vector<BrickKey> wanted_;
+  std::unordered_set<BrickKey> here_, damaged_;
+  std::size_t damages_ = 0, refusals_ = 0;
+  mutable std::size_t notHere_ = 0;
+};
 
 constexpr BrushOptions kPush{
     .kind = BrushKind::push, .yieldDepth = 0.2, .pushRate = 0.5, .radius = 6, .resample = false};
@@ -270,7 +323,7 @@ TEST_CASE("a point that others have removed or restored is reported to the histo
   batch.clear();
   shows({made}, {});
   source.takeEdits(batch);
-  CHECK(batch.points == std::vector<PointState>{made});
+  CHECK(batch.points == BareVector<PointState>{made});
 }
 
 TEST_CASE("a store in memory reports changed blocks once they were wanted, with other versions and checksums") {

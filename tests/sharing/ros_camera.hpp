@@ -4,10 +4,7 @@
 #include <array>
 #include <bit>
 #include <chrono>
-#include <cmath>
-#include <cstring>
 #include <functional>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>

@@ -1,5 +1,5 @@
 // Transforms between ROS frames, without a network.
-#include "haptics/sharing/ros_transforms.hpp"
+#include "haptics/sharing/ros_tf.hpp"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

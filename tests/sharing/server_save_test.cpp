@@ -8,7 +8,7 @@
 
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
-#include "haptics/sharing/write_request.hpp"
+#include "haptics/sharing/link_statistics.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/sharing/undoing_hands.hpp"
 

@@ -1,8 +1,6 @@
 // Sessions with a soft body, on the CPU, in virtual time.
 #include <doctest/doctest.h>
 
-#include <fstream>
-
 #include "engine/io/ply_writer.hpp"
 #include "haptics/session/session.hpp"
 #include "haptics/simulation/matter_choice.hpp"

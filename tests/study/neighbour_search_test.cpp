@@ -9,7 +9,6 @@
 #include "engine/cloud/point_tree.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 #include "engine/study/dynamic_tree.hpp"
-#include "engine/study/multimap_hash.hpp"
 #include "tests/random_positions.hpp"
 
 namespace palpate::neighbour_search_test {

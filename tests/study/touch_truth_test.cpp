@@ -1,4 +1,3 @@
-#include "haptics/study/touch_truth.hpp"
 
 #include <doctest/doctest.h>
 
