@@ -36,7 +36,7 @@ std::uint64_t sizeOfContent(const AttributeChange& change) { return bytesOf(chan
 struct Head {
   std::uint64_t kind = 0, version = 0, received = 0;
   std::uint64_t layer = 0;  // of strokes, and 1; 0: none
-  std::uint64_t slideBytes = 0;
+  std::uint64_t slideBytes = 0, isGiven = 0;
 };
 
 template <class Items>
@@ -46,6 +46,24 @@ Items itemsIn(std::span<const std::byte> bytes) {
   Items items(bytes.size() / sizeof(Item));
   if (!items.empty()) std::memcpy(items.data(), bytes.data(), items.size() * sizeof(Item));
   return items;
+}
+
+PointSet setOf(const BareVector<PointState>& states) {
+  return PointSet::of(states, [](const PointState& state) { return state.number; });
+}
+
+// Calls carry(), between exchange() and, if it fails, another one.
+bool carried(auto&& exchange, auto&& carry) {
+  exchange();
+  bool isCarried = false;
+  try {
+    isCarried = carry();
+  } catch (...) {
+    exchange();
+    throw;
+  }
+  if (!isCarried) exchange();
+  return isCarried;
 }
 
 }  // namespace
@@ -59,6 +77,7 @@ std::vector<std::byte> pack(const HistoryChange& change) {
   const auto* const presence = std::get_if<PresenceStroke>(&change.what);
   Head head{change.what.index(), change.version, stroke ? stroke->received : presence ? presence->received : 0};
   if (stroke && stroke->layer) head.layer = *stroke->layer + std::uint64_t{1};
+  if (stroke) head.isGiven = stroke->isGiven;
   if (stroke && stroke->slide) head.slideBytes = bytesIn(*stroke->slide).size();
   return std::visit(
       [&](const auto& what) {
@@ -80,7 +99,8 @@ bool unpack(std::span<const std::byte> bytes, HistoryChange& change) {
   if (head.kind == 0) {
     if (head.slideBytes > content.size()) return false;
     PointStroke stroke{.points = itemsIn<BareVector<PointState>>(content.subspan(head.slideBytes)),
-                       .received = head.received};
+                       .received = head.received,
+                       .isGiven = head.isGiven != 0};
     if (head.layer > 0) stroke.layer = static_cast<std::uint32_t>(head.layer - 1);
     AttributeChange slide;
     if (head.slideBytes > 0) {
@@ -113,7 +133,7 @@ void History::follow(const EditBatch& batch, bool hasLast) {
     const bool isKnown = hasLast && !states.empty() && mark.at == all.size();
     switch (mark.kind) {
       case EditMark::Kind::stroke:
-        if (isKnown || (!slide_ && !(layers_ && layers_->open()) && addPresence(states))) break;
+        if (isKnown || (!(layers_ && layers_->open()) && addPresence(states))) break;
         addToStroke(states);
         endStroke();
         break;
@@ -146,7 +166,7 @@ void History::follow(std::vector<ShapeStroke> strokes) {
 void History::make(AttributeChange change, const std::function<void(AttributeChange&)>& exchange) {
   PALPATE_CHECK(!inStroke_);
   const bool isInFile = !std::holds_alternative<MaskFlip>(change) && !std::holds_alternative<StrokeLayerChange>(change);
-  endsInSlide_ = false;
+  slid_.reset();
   list_.make({std::move(change), version_}, [&](HistoryChange& made) {
     exchange(std::get<AttributeChange>(made.what));
     if (isInFile) version_ = ++lastVersion_;
@@ -160,7 +180,7 @@ void History::receive(std::span<const PointState> states) {
     const bool isChange = points_.knows(point);  // else it is the point's first state
     points_.set(state);
     if (!isChange) continue;
-    endsInSlide_ = false;
+    slid_.reset();
     if (!std::exchange(isCounted, true)) ++received_;
     if (!list_.keepsAny()) continue;
     const std::size_t at = points_.indexOf(point);
@@ -184,7 +204,7 @@ bool History::addPresence(std::span<const PointState> states) {
   PresenceStroke stroke{.points = PointSet::of(states, [](const PointState& state) { return state.number; }),
                         .received = received_};
   if (stroke.points.count() != states.size()) return false;  // some twice: the last state of each counts
-  endsInSlide_ = false;
+  slid_.reset();
   list_.make({std::move(stroke), version_}, [&](HistoryChange&) { points_.set(states); });
   version_ = ++lastVersion_;
   ++strokes_;
@@ -196,8 +216,7 @@ void History::beginStroke() {
   list_.begin();
   keepsStroke_ = list_.keepsAny();
   openVersion_ = version_;
-  if (!slide_) slides_ = {};
-  reopenSlide();
+  slid_.reset();
 }
 
 void History::addToStroke(std::span<const PointState> states) {
@@ -205,7 +224,7 @@ void History::addToStroke(std::span<const PointState> states) {
   beginStroke();
   version_ = ++lastVersion_;
   for (const PointState& state : states) {
-    const bool isKept = keepsStroke_ || (layers_ && layers_->open() && !slide_);
+    const bool isKept = keepsStroke_ || (layers_ && layers_->open());
     if (isKept && !isInStroke(state.number)) keepBefore(state.number);
     points_.set(state);
   }
@@ -214,7 +233,7 @@ void History::addToStroke(std::span<const PointState> states) {
 void History::keepBefore(std::uint64_t point) {
   if (keepsStroke_)
     keepsStroke_ = list_.makeRoom(sizeof(HistoryChange) + (open_.points.size() + 1) * sizeof(PointState));
-  if (!keepsStroke_ && !(layers_ && layers_->open() && !slide_)) {
+  if (!keepsStroke_ && !(layers_ && layers_->open())) {
     open_ = {};
     return;
   }
@@ -227,7 +246,10 @@ void History::keepBefore(std::uint64_t point) {
 void History::endStroke() {
   if (!std::exchange(inStroke_, false)) return;
   ++strokes_;
-  endInLayer();
+  if (layers_ && layers_->open()) {
+    open_.layer = layers_->open();
+    layers_->record(*open_.layer, open_.points, points_);
+  }
   if (keepsStroke_) {
     open_.received = received_;
     open_.points.shrink_to_fit();
@@ -238,85 +260,34 @@ void History::endStroke() {
   open_ = {};
 }
 
-std::span<const PointChange> History::slide(StrokeLayerChange& change, const PointLock* lock) {
-  PALPATE_CHECK(layers_ && !inStroke_);
-  unseen_ = layers_->slide(change, points_, lock, slides_);
-  return std::span(slides_).first(slides_.size() - unseen_);
-}
-
-void History::slideUnseen(StrokeLayerChange change) {
-  beginSlide(std::move(change));
-  beginStroke();
-  endStroke();
-}
-
-void History::reopenSlide() {
-  const bool isContinued = slide_ && slide_->moves == StrokeLayerChange::Points::slideContinued;
-  if (!std::exchange(endsInSlide_, false) || !isContinued || !keepsStroke_) return;
-  HistoryChange last = list_.takeLast();
-  open_ = std::get<PointStroke>(std::move(last.what));
-  openVersion_ = last.version;
-  --strokes_;
-}
-
-void History::endInLayer() {
-  if (slide_) {
-    for (const PointChange& change : std::span(slides_).last(std::exchange(unseen_, 0))) {
-      if (keepsStroke_ && !isInStroke(change.to.number)) keepBefore(change.to.number);
-      points_.set(change.to);
-    }
-    layers_->exchange(*slide_);
-    if (!open_.slide) open_.slide = std::move(slide_);
-    slide_.reset();
-    endsInSlide_ = keepsStroke_;
-  } else if (layers_ && layers_->open()) {
-    open_.layer = layers_->open();
-    layers_->record(*open_.layer, open_.points, points_);
-  }
-}
-
 bool History::isOthers(std::uint64_t point, std::uint64_t received) const {
   const std::size_t at = points_.indexOf(point);
   return at < lastReceived_.size() && lastReceived_[at] > received;
 }
-
-namespace {
-
-// Calls carry(), between exchange() and, if it fails, another one.
-bool carried(auto&& exchange, auto&& carry) {
-  exchange();
-  bool isCarried = false;
-  try {
-    isCarried = carry();
-  } catch (...) {
-    exchange();
-    throw;
-  }
-  if (!isCarried) exchange();
-  return isCarried;
-}
-
-}  // namespace
 
 bool History::carryPresence(const PointSet& points, const CarryMany& carry) {
   return carried([&] { points_.flip(points); },
                  [&] { return carry(points, [&] { return presenceChanges(points, points_); }); });
 }
 
-bool History::carryStates(BareVector<PointState>& states, const CarryMany& carry) {
-  const PointSet points = PointSet::of(states, [](const PointState& state) { return state.number; });
+bool History::carryStates(BareVector<PointState>& states, bool isSlide, const CarryMany& carry) {
+  PointSet points = setOf(states);
+  if (isSlide)
+    for (const PointState& to : states)
+      if (to.gone && points_[to.number].gone) points.set(to.number, false);
   const auto changes = [&] {
     std::vector<PointChange> made;
     made.reserve(states.size());
-    for (const PointState& from : states) made.push_back({.from = from, .to = points_[from.number]});
+    for (const PointState& from : states)
+      if (!isSlide || points.test(from.number)) made.push_back({.from = from, .to = points_[from.number]});
     return made;
   };
-  return carried([&] { points_.exchange(states); }, [&] { return carry(points, changes); });
+  return carried([&] { points_.exchange(states); }, [&] { return points.empty() || carry(points, changes); });
 }
 
 void History::changePresence(const PointSet& points, const CarryMany& carry) {
   PALPATE_CHECK(!inStroke_);
-  endsInSlide_ = false;
+  slid_.reset();
   list_.make({PresenceStroke{.points = points, .received = received_}, version_},
              [&](HistoryChange&) { carryPresence(points, carry); });
   version_ = ++lastVersion_;
@@ -325,11 +296,59 @@ void History::changePresence(const PointSet& points, const CarryMany& carry) {
 
 void History::changeMany(BareVector<PointState> states, const CarryMany& carry) {
   PALPATE_CHECK(!inStroke_);
-  endsInSlide_ = false;
-  list_.make({PointStroke{.points = std::move(states), .received = received_}, version_},
-             [&](HistoryChange& made) { carryStates(std::get<PointStroke>(made.what).points, carry); });
+  slid_.reset();
+  PointStroke made{.points = std::move(states), .received = received_, .isGiven = true};
+  if (layers_) made.layer = layers_->open();
+  list_.make({std::move(made), version_}, [&](HistoryChange& change) {
+    auto& stroke = std::get<PointStroke>(change.what);
+    carryStates(stroke.points, false, carry);
+    if (stroke.layer) layers_->record(*stroke.layer, stroke.points, points_);
+  });
   version_ = ++lastVersion_;
   ++strokes_;
+}
+
+void History::slide(StrokeLayerChange& change, const PointLock* lock, const CarryMany& carry,
+                    std::optional<std::span<const PointState>> recorded) {
+  PALPATE_CHECK(layers_ && !inStroke_);
+  BareVector<PointState> states = layers_->slide(change, points_, lock);
+  if (recorded) {
+    std::erase_if(states, [&](const PointState& to) { return !to.gone || !points_[to.number].gone; });
+    for (const PointState& to : *recorded) points_.set(points_[to.number]);  // all are known from now on
+    states.insert(states.end(), recorded->begin(), recorded->end());
+  }
+  PointSet slid = setOf(states);
+  const bool isContinued = slid_ && change.moves == StrokeLayerChange::Points::slideContinued;
+  bool isSeen = false;
+  const auto exchange = [&] {
+    PALPATE_CHECK(carryStates(states, true, [&](const PointSet& points, const MadeChanges& changes) {
+      isSeen = true;
+      return carry(points, changes);
+    }));
+    layers_->exchange(change);
+  };
+  if (isContinued) {
+    list_.extend([&](HistoryChange& made) {
+      auto& kept = std::get<PointStroke>(made.what).points;
+      PointSet more = slid;
+      more.remove(*slid_);
+      kept.reserve(kept.size() + more.count());
+      exchange();
+      for (const PointState& state : states)
+        if (more.test(state.number)) kept.push_back(state);
+    });
+    slid.add(*slid_);
+  } else {
+    list_.make({PointStroke{.received = received_}, version_}, [&](HistoryChange& made) {
+      exchange();
+      std::get<PointStroke>(made.what) = {
+          .points = std::move(states), .received = received_, .slide = std::move(change)};
+    });
+    ++strokes_;
+  }
+  if (isSeen) version_ = ++lastVersion_;
+  slid_.reset();
+  if (list_.last()) slid_ = std::move(slid);
 }
 
 std::vector<PointChange> presenceChanges(const PointSet& points, const PointStates& after) {
@@ -356,32 +375,21 @@ bool History::carryOut(PresenceStroke& stroke, const Carriers& carriers) {
 }
 
 bool History::carryOut(PointStroke& stroke, const Carriers& carriers) {
-  constexpr std::size_t kMany = 16;  // of so many points one
-  const bool isMany = stroke.points.size() > points_.size() / kMany;
-  if (carriers.many && isMany && !stroke.slide && lastReceived_.empty()) {
-    if (!carryStates(stroke.points, carriers.many)) return false;
-    if (layers_) followInLayer(stroke, true, carriers);
-    return true;
-  }
-  std::vector<PointChange> changes;
-  changes.reserve(stroke.points.size());
-  for (const PointState& to : stroke.points) {
-    if (isOthers(to.number, stroke.received)) continue;
-    changes.push_back({.from = points_[to.number], .to = to});
-  }
-  // Of points that do not exist before and after only the history knows.
-  const auto isSeen = [&](const PointChange& each) { return !stroke.slide || !each.from.gone || !each.to.gone; };
-  const auto unseen = std::stable_partition(changes.begin(), changes.end(), isSeen);
-  const std::span<const PointChange> carried(changes.begin(), unseen);
-  if (!carried.empty() && !carriers.points(carried)) return false;
+  BareVector<PointState> left;
+  BareVector<PointState>& states = lastReceived_.empty() ? stroke.points : left;
+  if (&states == &left)
+    for (const PointState& to : stroke.points)
+      if (!isOthers(to.number, stroke.received)) left.push_back(to);
   if (stroke.slide) layers_->observe(stroke.slide->number, points_);
-  stroke.points.resize(changes.size());
-  for (std::size_t i = 0; i < changes.size(); ++i) {
-    points_.set(changes[i].to);
-    stroke.points[i] = changes[i].from;
-  }
+  bool isSeen = false;
+  const auto carry = [&](const PointSet& points, const MadeChanges& changes) {
+    isSeen = true;
+    return carriers.many ? carriers.many(points, changes) : carriers.points(changes());
+  };
+  if (!carryStates(states, stroke.slide.has_value(), carry)) return false;
+  if (&states == &left) stroke.points = std::move(left);
   stroke.received = received_;
-  if (layers_) followInLayer(stroke, !carried.empty(), carriers);
+  if (layers_) followInLayer(stroke, isSeen, carriers);
   return true;
 }
 
@@ -409,7 +417,7 @@ bool History::carryOut(HistoryChange& change, const Carriers& carriers) {
                     : shape    ? carriers.shape(*shape)
                                : carriers.attributes(std::get<AttributeChange>(change.what));
   if (!done) return false;
-  endsInSlide_ = false;
+  slid_.reset();
   std::swap(version_, change.version);
   return true;
 }

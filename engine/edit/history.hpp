@@ -18,6 +18,7 @@ struct PointStroke {
   BareVector<PointState> points;
   std::uint64_t received = 0;              ///< number of received batches when it was made, undone or redone last
   std::optional<std::uint32_t> layer;      ///< of strokes, that it is part of
+  bool isGiven = false;                    ///< changeMany()
   std::optional<StrokeLayerChange> slide;  ///< of a layer of strokes, that has moved the points: on the other side
 };
 /// Points that a stroke has removed or restored, and changed in nothing else: it is its own undo. Of 25 million points
@@ -83,16 +84,12 @@ class History {
   /// Makes a stroke that brings many known points, each once, to these states, likewise.
   void changeMany(BareVector<PointState> states, const CarryMany& carry);
 
-  /// The changes of points by which a layer of strokes is set so, between strokes; those of points that do not
-  /// exist before and after are left out, and are made by the stroke after beginSlide(). `lock`: as
-  /// StrokeLayers::slide().
-  /// Valid until the next stroke.
-  std::span<const PointChange> slide(StrokeLayerChange& change, const PointLock* lock);
-  /// The next stroke to be followed is that slide, of all points of slide(): it sets the layer.
-  void beginSlide(StrokeLayerChange change) { slide_ = std::move(change); }
-  void cancelSlide() { slide_.reset(), unseen_ = 0; }
-  /// The slide where slide() is empty: a whole stroke.
-  void slideUnseen(StrokeLayerChange change);
+  /// Sets a layer of strokes so, and its points, between strokes: one stroke, or more of the slide before. `carry`
+  /// carries out the changes of the points that exist before or after, if there are any; `change` is as it was carried
+  /// out then. If it throws, nothing has changed. `lock`: as StrokeLayers::slide(). `recorded`: these states, in place
+  /// of those that the layer has.
+  void slide(StrokeLayerChange& change, const PointLock* lock, const CarryMany& carry,
+             std::optional<std::span<const PointState>> recorded = std::nullopt);
 
   const PointStates& points() const { return points_; }
 
@@ -113,6 +110,8 @@ class History {
   bool undo(const Carriers& carriers);
   /// The same for the change undone last.
   bool redo(const Carriers& carriers);
+  /// The change that undo() takes next; null: none.
+  const HistoryChange* last() const { return list_.last(); }
   /// The same as undo() of a stroke, which then was never made: it cannot be redone, nor is it counted.
   bool takeBack(const Carriers& carriers);
 
@@ -130,17 +129,14 @@ class History {
   void receive(std::span<const PointState> states);
   void addToStroke(std::span<const PointState> states);
   void beginStroke();
-  // The slide that is continued is the last entry, which is open again.
-  void reopenSlide();
-  // The stroke in progress, before it is kept: a slide sets its layer, others become part of the open layer.
-  void endInLayer();
   // Whether these states are one whole stroke that removes or restores points; then it is kept.
   bool addPresence(std::span<const PointState> states);
   void endStroke();
   // Calls carry(), with the points as after the change; if that fails, they are as before. The states of a stroke are
-  // exchanged with the present ones.
+  // exchanged with the present ones; a slide also changes points that do not exist before and after, which concerns
+  // the history alone.
   bool carryPresence(const PointSet& points, const CarryMany& carry);
-  bool carryStates(BareVector<PointState>& states, const CarryMany& carry);
+  bool carryStates(BareVector<PointState>& states, bool isSlide, const CarryMany& carry);
   void keepBefore(std::uint64_t point);
   bool isInStroke(std::uint64_t point) const {
     const std::size_t at = points_.indexOf(point);
@@ -162,10 +158,7 @@ class History {
   std::vector<std::uint64_t> lastReceived_;  // as points_: the last of these batches with it; 0 behind the end
   bool inStroke_ = false, keepsStroke_ = false;
   StrokeLayers* layers_ = nullptr;
-  std::optional<StrokeLayerChange> slide_;  // the next stroke, or the one in progress
-  std::vector<PointChange> slides_;         // by it; kept while it may be continued
-  std::size_t unseen_ = 0;                  // of these at the end, of points that do not exist before and after
-  bool endsInSlide_ = false;                // the last entry is a slide, which may be continued
+  std::optional<PointSet> slid_;  // the points of the last entry, if it is a slide, which may be continued
   std::uint64_t strokes_ = 0;
 };
 

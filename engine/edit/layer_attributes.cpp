@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/edited_gaussians.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/checksum.hpp"
 #include "engine/core/parallel.hpp"
@@ -293,6 +294,8 @@ PointCloud editedCloud(const PointCloud& file, std::span<const PointState> point
     to->data.clear();
     forExisting(field.values, points,
                 [&](std::span<const std::byte> value) { to->data.insert(to->data.end(), value.begin(), value.end()); });
+    if (field.values.name == kLockField && field.values.type == ScalarType::u8 && gaussiansOf(edited))
+      edited.storedAs.baggage = withPointBytes(edited, kLockField, to->data);
   }
   return edited;
 }

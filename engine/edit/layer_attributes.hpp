@@ -15,10 +15,6 @@
 
 namespace palpate {
 
-/// Field of bytes, or property of a file, with the weights of the points' locks (PointLock). Where there is one, the
-/// mask of locked points does not count.
-inline constexpr std::string_view kLockField = "lock";
-
 /// The masks and the fields of a layer's points, by number, and its layers of strokes. What a removed point has stays
 /// until it is restored, and counts no more than the point: existing() leaves it out. For one thread.
 class LayerAttributes {

@@ -43,11 +43,14 @@ class ShapeMaker {
     bool isKnown = true;   // false: others have inserted it
     bool isFixed = false;  // its surroundings, which stay
     bool isTorn = false;
-    double spacing = 0;
+    double spacing = 0;  // at strength 1
     std::array<std::uint32_t, kSpacingOf> nearest{};
     std::size_t nearCount = 0;
 
     std::span<const std::uint32_t> near() const { return std::span(nearest).first(nearCount); }
+    /// The strokes found it: others share the surface before with those around them.
+    bool isFound() const { return isKnown && place.kind == Kind::kept; }
+    bool isSpread() const { return isTorn || (isKnown && place.kind == Kind::inserted); }
   };
 
   void addRecord(const LayerRecord& record);
@@ -215,18 +218,18 @@ void ShapeMaker::link() {
 }
 
 // A point is torn where one beside it came from afar, and so are those around it, in as many rings as it was spacings
-// away.
+// away. Inserted points come from nowhere: their parents are beside them, and tear nothing.
 void ShapeMaker::findTorn() {
   std::vector<double> rings(nodes_.size());
   std::vector<std::uint32_t> front;
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     const Node& node = nodes_[i];
-    if (!node.isKnown || node.isFixed) continue;
+    if (!node.isFound() || node.isFixed) continue;
     for (const std::uint32_t k : node.near()) {
       const Node& other = nodes_[k];
       const double spacing = std::max({node.spacing, other.spacing, 1e-30});
       const double apart = glm::distance(node.before, other.before) / spacing;
-      if (other.isKnown && apart > kTorn) rings[i] = std::max(rings[i], apart);
+      if (other.isFound() && apart > kTorn) rings[i] = std::max(rings[i], apart);
     }
     if (rings[i] > 0) front.push_back(i);
   }
@@ -243,7 +246,7 @@ void ShapeMaker::project(const FacingTree& surface) {
   parallelFor(nodes_.size(), 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Node& node = nodes_[i];
-      if (!node.isTorn) continue;
+      if (!node.isSpread()) continue;
       DVec3 middle{0}, normal{0};
       int count = 0;
       surface.visit(Vec3(node.before), node.place.zeroNormal, [&](std::uint32_t k, double) {
@@ -261,7 +264,7 @@ void ShapeMaker::relax() {
   std::vector<Vec3> positions, normals;
   bool isAny = false;
   for (const Node& node : nodes_) {
-    isAny = isAny || node.isTorn;
+    isAny = isAny || node.isSpread();
     if (!node.isKnown || node.place.kind == Kind::inserted) continue;
     positions.push_back(Vec3(node.before));
     normals.push_back(node.place.zeroNormal);
@@ -274,7 +277,7 @@ void ShapeMaker::relax() {
     parallelFor(nodes_.size(), 0, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const Node& node = nodes_[i];
-        if (!node.isTorn) continue;
+        if (!node.isSpread()) continue;
         DVec3 sum{0}, moved{0};
         double count = 0;
         for (const std::uint32_t k : node.near())
@@ -284,20 +287,23 @@ void ShapeMaker::relax() {
       }
     });
     for (std::size_t i = 0; i < nodes_.size(); ++i)
-      if (nodes_[i].isTorn) nodes_[i].before = next[i], nodes_[i].others = others[i];
+      if (nodes_[i].isSpread()) nodes_[i].before = next[i], nodes_[i].others = others[i];
     if (sweep % kBetweenProjections == 0) project(surface);
   }
-  for (Node& node : nodes_)
-    if (node.isTorn) node.place.base = Vec3(node.before + node.others), node.place.isTorn = 1;
+  for (Node& node : nodes_) {
+    node.place.isTorn = static_cast<std::uint8_t>(node.isTorn);
+    if (node.isSpread()) node.place.base = Vec3(node.before + node.others);
+  }
 }
 
 // They go along with those around them.
 void ShapeMaker::placeInserted() {
+  std::vector<Node*> inserted;
   for (Node& node : nodes_)
-    if (!node.isKnown) node.before = DVec3(node.place.one);
+    if (!node.isKnown) inserted.push_back(&node), node.before = DVec3(node.place.one);
   for (int sweep = 0; sweep < 12; ++sweep)
-    for (Node& node : nodes_) {
-      if (node.isKnown) continue;
+    for (Node* const each : inserted) {
+      Node& node = *each;
       DVec3 sum{0}, normal{0};
       for (const std::uint32_t k : node.near()) {
         const Node& other = nodes_[k];
@@ -307,8 +313,7 @@ void ShapeMaker::placeInserted() {
       if (node.nearCount > 0) node.before = DVec3(node.place.one) + sum / static_cast<double>(node.nearCount);
       node.place.zeroNormal = Vec3(unitVector(normal, DVec3(node.place.oneNormal)));
     }
-  for (Node& node : nodes_)
-    if (!node.isKnown) node.place.base = node.place.zero = Vec3(node.before);
+  for (Node* const node : inserted) node->place.base = node->place.zero = Vec3(node->before);
 }
 
 // Those that are at 0 alone go along with the points that are nearest to them there; at 0 torn points are where they
@@ -322,7 +327,7 @@ void ShapeMaker::placeRemoved() {
     normals.push_back(nodes_[i].place.zeroNormal);
     indices.push_back(i);
   }
-  if (indices.empty()) return;
+  if (indices.empty() || (removed_.empty() && std::ranges::none_of(nodes_, &Node::isTorn))) return;
   const FacingTree tree(std::move(positions), std::move(normals));
   struct Around {
     DVec3 others{0}, displacement{0};

@@ -3,7 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/core/parallel.hpp"
+#include "engine/cloud/shortest_rotation.hpp"
+#include "engine/core/parallel_collect.hpp"
 #include "engine/edit/facing_tree.hpp"
 
 namespace palpate {
@@ -18,14 +19,46 @@ constexpr double kCrowded = 0.75, kApart = 1.5;  // from the next point, spacing
 // It is on the surface before the strokes alone.
 bool isBefore(const LayerPlace& place) { return place.kind > Kind::inserted; }
 
-bool isStill(const LayerPlace& place) {
-  return !isBefore(place) && place.base == place.one && place.zero == place.one && place.zeroNormal == place.oneNormal;
-}
-
 DVec3 unitOr(const DVec3& v, const DVec3& otherwise) {
   const double length = glm::length(v);
   return length > 1e-6 ? v / length : otherwise;
 }
+
+/// The points of a surface, for what is around a place on it.
+class PresentSurface {
+ public:
+  template <class Is, class Position, class Normal>
+  PresentSurface(std::span<const LayerPlace> places, const Is& is, const Position& position, const Normal& normal)
+      : indices_(parallelCollect(places.size(), 0, is, [](std::size_t i) { return i; })),
+        tree_(of(position), of(normal)) {}
+
+  /// Calls use(index, weight) for the nearest points that face so; their weights add up to 1.
+  template <class Use>
+  void around(const Vec3& at, const Vec3& facing, const Use& use) const {
+    constexpr std::size_t kAround = 6;
+    std::array<std::pair<std::size_t, double>, kAround> near;
+    std::size_t count = 0;
+    double sum = 0;
+    tree_.visit(at, facing, [&](std::uint32_t k, double squared) {
+      near[count] = {indices_[k], 1 / std::max(squared, 1e-30)};
+      sum += near[count].second;
+      return ++count < kAround;
+    });
+    for (const auto& [index, weight] : std::span(near).first(count)) use(index, weight / sum);
+  }
+
+ private:
+  template <class Get>
+  std::vector<Vec3> of(const Get& get) const {
+    std::vector<Vec3> all;
+    all.reserve(indices_.size());
+    for (const std::size_t i : indices_) all.push_back(get(i));
+    return all;
+  }
+
+  BareVector<std::size_t> indices_;
+  FacingTree tree_;
+};
 
 }  // namespace
 
@@ -34,29 +67,82 @@ std::size_t LayerShape::indexOf(std::uint64_t point) const {
   return at != places_.end() && at->number == point ? static_cast<std::size_t>(at - places_.begin()) : places_.size();
 }
 
+Vec3 LayerShape::presentNormal(std::size_t index, const LayerStrengths& strengths) const {
+  return normalAt(index, strengths.of(places_[index].number));
+}
+
 void LayerShape::addNew(const PointStates& present, const LayerStrengths& strengths) {
-  std::vector<LayerPlace> fresh;
+  std::vector<std::pair<const PointState*, Kind>> fresh;
   for (const PointState& state : present) {
     if (state.gone || state.parent == state.number || indexOf(state.number) < places_.size()) continue;
-    const auto among = std::ranges::lower_bound(fresh, state.parent, {}, &LayerPlace::number);
+    const auto among =
+        std::ranges::lower_bound(fresh, state.parent, {}, [](const auto& of) { return of.first->number; });
     const std::size_t parent = indexOf(state.parent);
-    const bool isAmong = among != fresh.end() && among->number == state.parent;
-    if (!isAmong && parent == places_.size()) continue;
-    const LayerPlace& of = isAmong ? *among : places_[parent];
-    const DVec3 displacement = DVec3(of.one) - DVec3(of.base);
-    if (isBefore(of) || displacement == DVec3(0)) continue;
-    const Vec3 base(DVec3(state.position) - strengths.of(of.number) * displacement);
-    fresh.push_back({.number = state.number,
-                     .one = Vec3(DVec3(base) + displacement),
-                     .oneNormal = state.normal,
-                     .base = base,
-                     .zero = base,
-                     .zeroNormal = state.normal});
+    if (among != fresh.end() && among->first->number == state.parent)
+      fresh.emplace_back(&state, among->second);
+    else if (parent < places_.size())
+      fresh.emplace_back(&state, isBefore(places_[parent]) ? places_[parent].kind : Kind::kept);
   }
   if (fresh.empty()) return;
+  findSurroundings();
+  const PresentSurface surface(
+      places_, [&](std::size_t i) { return places_[i].isSeen && !present[places_[i].number].gone; },
+      [&](std::size_t i) { return present[places_[i].number].position; },
+      [&](std::size_t i) { return present[places_[i].number].normal; });
+  std::vector<LayerPlace> made;
+  for (const auto& [state, kind] : fresh) {
+    DVec3 displacement{0}, now{0}, zero{0}, one{0};
+    surface.around(state->position, state->normal, [&](std::size_t i, double weight) {
+      displacement += weight * (DVec3(places_[i].one) - DVec3(places_[i].base));
+      now += weight * DVec3(presentNormal(i, strengths));
+      zero += weight * DVec3(places_[i].zeroNormal), one += weight * DVec3(places_[i].oneNormal);
+    });
+    if (displacement == DVec3(0)) continue;
+    const DVec3 normal(state->normal);
+    const auto turned = [&](const DVec3& to) {
+      return Vec3(shortestRotation(unitOr(now, normal), unitOr(to, normal)) * normal);
+    };
+    const Vec3 base(DVec3(state->position) - strengths.of(state->number) * displacement);
+    const Vec3 end(DVec3(base) + displacement);
+    made.push_back({.number = state->number,
+                    .one = end,
+                    .oneNormal = turned(one),
+                    .base = base,
+                    .zero = kind == Kind::kept ? base : end,
+                    .zeroNormal = turned(zero),
+                    .kind = kind});
+  }
+  if (made.empty()) return;
   surroundings_.clear();
-  places_.insert(places_.end(), fresh.begin(), fresh.end());
+  places_.insert(places_.end(), made.begin(), made.end());
   std::ranges::sort(places_, {}, &LayerPlace::number);
+}
+
+std::unordered_map<std::size_t, PointState> LayerShape::absentWithOthers(const PointStates& present,
+                                                                         const LayerStrengths& strengths) const {
+  std::unordered_map<std::size_t, PointState> absent;
+  const auto expected = [&](std::size_t i) { return positionAt(i, strengths.of(places_[i].number)); };
+  const auto isAbsent = [&](std::size_t i) { return places_[i].kind != Kind::kept && isRemoved(i, strengths); };
+  const auto exists = [&](std::size_t i) { return !present[places_[i].number].gone; };
+  const auto isMoved = [&](std::size_t i) { return exists(i) && present[places_[i].number].position != expected(i); };
+  if (parallelCount(places_.size(), 0, isAbsent) == 0 || parallelCount(places_.size(), 0, isMoved) == 0) return absent;
+  const auto normal = [&](std::size_t i) { return presentNormal(i, strengths); };
+  const PresentSurface surface(places_, exists, expected, normal);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (!isAbsent(i)) continue;
+    DVec3 moved{0}, was{0}, is{0};
+    surface.around(expected(i), normal(i), [&](std::size_t k, double weight) {
+      const PointState at = present[places_[k].number];
+      moved += weight * (DVec3(at.position) - DVec3(expected(k)));
+      was += weight * DVec3(normal(k)), is += weight * DVec3(at.normal);
+    });
+    if (moved == DVec3(0)) continue;
+    PointState& state = absent[i] = present[places_[i].number];
+    const DVec3 facing(normal(i));
+    state.position = Vec3(DVec3(expected(i)) + moved);
+    state.normal = Vec3(shortestRotation(unitOr(was, facing), unitOr(is, facing)) * facing);
+  }
+  return absent;
 }
 
 std::uint64_t LayerShape::bytes() const {
@@ -64,10 +150,38 @@ std::uint64_t LayerShape::bytes() const {
          nearMerged_.capacity() * sizeof(Near);
 }
 
-bool LayerShape::isTorn() const {
-  constexpr std::size_t kFew = 100;  // one of so many
-  const auto torn = static_cast<std::size_t>(std::ranges::count(places_, 1, &LayerPlace::isTorn));
-  return torn > places_.size() / kFew;
+// Normal of the surface, as long as the area there that is one at strength 1, or at 0 of points that exist there alone.
+DVec3 LayerShape::areaAt(std::size_t index, double strength) const {
+  const LayerPlace& place = places_[index];
+  const auto frame = frameAround(DVec3(isBefore(place) ? place.zeroNormal : place.oneNormal));
+  const double from = isBefore(place) ? strength : strength - 1;
+  const auto& bends = surroundings_[index].bends;
+  return glm::cross(frame.u + from * DVec3(bends[0]), frame.v + from * DVec3(bends[1]));
+}
+
+// Where points have been drawn apart or together to less than a half, their order is reversed at -1 or 2. What
+// overhangs at 1 may do so elsewhere.
+bool LayerShape::isFolded(double strength) const {
+  constexpr std::size_t kFew = 50;  // one of so many
+  const auto moves = [&](std::size_t i) { return places_[i].isSeen && !isBefore(places_[i]) && !isStill(i); };
+  const auto isOver = [&](std::size_t i) {
+    const DVec3 facing(places_[i].zeroNormal);
+    return moves(i) && glm::dot(DVec3(places_[i].oneNormal), facing) > 0 && glm::dot(areaAt(i, strength), facing) < 0;
+  };
+  const std::size_t over = parallelCount(places_.size(), 0, isOver);
+  return over > kNeighbours && over * kFew > parallelCount(places_.size(), 0, moves);
+}
+
+void LayerShape::findRange() {
+  constexpr double kStep = 0.25;
+  range_ = {0, 1};
+  while (range_.low > kMinLayerStrength && !isFolded(range_.low - kStep)) range_.low -= kStep;
+  while (range_.high < kMaxLayerStrength && !isFolded(range_.high + kStep)) range_.high += kStep;
+}
+
+bool LayerShape::isStill(std::size_t index) const {
+  const LayerPlace& place = places_[index];
+  return !isBefore(place) && place.base == place.one && place.zero == place.one && place.zeroNormal == place.oneNormal;
 }
 
 Vec3 LayerShape::positionAt(std::size_t index, double strength) const {
@@ -85,12 +199,14 @@ void LayerShape::findSurroundings() {
   if (surroundings_.size() == places_.size()) return;
   std::vector<Vec3> ones, oneNormals, bases, zeroNormals;
   std::vector<std::uint32_t> indices;
+  const bool hasBefore = std::ranges::any_of(places_, isBefore);
   for (std::uint32_t i = 0; i < places_.size(); ++i) {
     const LayerPlace& place = places_[i];
     if (!place.isSeen || isBefore(place)) continue;
     ones.push_back(place.one), oneNormals.push_back(place.oneNormal);
-    bases.push_back(place.base), zeroNormals.push_back(place.zeroNormal);
     indices.push_back(i);
+    if (!hasBefore) continue;
+    bases.push_back(place.base), zeroNormals.push_back(place.zeroNormal);
   }
   surroundings_.assign(places_.size(), {});
   nearMerged_.clear();
@@ -99,6 +215,7 @@ void LayerShape::findSurroundings() {
     surroundings_[i].merged = static_cast<std::uint32_t>(nearMerged_.size());
     nearMerged_.emplace_back();
   }
+  range_ = {};
   if (indices.empty()) return;
   const FacingTree after(std::move(ones), std::move(oneNormals)), before(std::move(bases), std::move(zeroNormals));
   std::vector<std::uint32_t> order;
@@ -110,7 +227,7 @@ void LayerShape::findSurroundings() {
     for (std::size_t at = begin; at < end; ++at) {
       const std::uint32_t i = order[at];
       const LayerPlace& place = places_[i];
-      if (isStill(place)) continue;
+      if (isStill(i)) continue;
       std::array<std::uint32_t, kNeighbours> near{};
       std::size_t count = 0;
       double sum = 0;
@@ -128,6 +245,7 @@ void LayerShape::findSurroundings() {
       if (place.kind == Kind::merged) nearMerged_[around.merged] = {near, count};
     }
   });
+  findRange();
 }
 
 // By least squares in the tangent plane at the end at which the neighbours were found.
@@ -170,14 +288,9 @@ bool LayerShape::isRemoved(std::size_t index, const LayerStrengths& strengths) c
 Vec3 LayerShape::normalAt(std::size_t index, double strength) const {
   const LayerPlace& place = places_[index];
   if (strength == 0) return place.zeroNormal;
-  if (strength == 1 || isStill(place)) return place.oneNormal;
+  if (strength == 1 || isStill(index)) return place.oneNormal;
   const DVec3 known(isBefore(place) ? place.zeroNormal : place.oneNormal);
-  const auto frame = frameAround(known);
-  const auto& bends = surroundings_[index].bends;
-  const auto at = [&](double s) {
-    const double from = isBefore(place) ? s : s - 1;
-    return unitOr(glm::cross(frame.u + from * DVec3(bends[0]), frame.v + from * DVec3(bends[1])), known);
-  };
+  const auto at = [&](double s) { return unitOr(areaAt(index, s), known); };
   const double rest = std::clamp(isBefore(place) ? strength : 1 - strength, 0.0, 1.0);
   const DVec3 other(isBefore(place) ? place.oneNormal : place.zeroNormal);
   return Vec3(unitOr(at(strength) + rest * rest * (other - at(isBefore(place) ? 1 : 0)), known));

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "engine/core/attribute_change.hpp"
@@ -13,6 +14,8 @@
 
 namespace palpate {
 
+/// Of a layer whose strokes have reshaped the surface much, LayerShape::range() is smaller.
+inline constexpr double kMinLayerStrength = -1, kMaxLayerStrength = 2;
 /// Points that strokes of a layer cut away are removed from this strength on.
 inline constexpr double kRemovesFrom = 0.5;
 
@@ -39,12 +42,22 @@ class LayerShape {
   std::span<const LayerPlace> places() const { return places_; }
   /// Index of a point in places(), or places().size().
   std::size_t indexOf(std::uint64_t point) const;
-  /// Includes points that other strokes have inserted since: they go along with their parents.
+  /// Includes points that other strokes have inserted since: they go along with those around them.
   void addNew(const PointStates& present, const LayerStrengths& strengths);
+  /// Where points that do not exist at these strengths would be, if others have moved the surface there since: they go
+  /// along with it. By index; empty: nothing has moved. After findSurroundings().
+  std::unordered_map<std::size_t, PointState> absentWithOthers(const PointStates& present,
+                                                               const LayerStrengths& strengths) const;
   std::uint64_t bytes() const;
-  /// Whether the strokes have cut, so that the surface cannot be followed beyond 0 and 1.
-  bool isTorn() const;
+  /// The strengths, with 0 and 1 among them, at which the surface does not turn over on itself. After
+  /// findSurroundings().
+  struct Range {
+    double low = kMinLayerStrength, high = kMaxLayerStrength;
+  };
+  const Range& range() const { return range_; }
 
+  /// It is where it is at any strength.
+  bool isStill(std::size_t index) const;
   Vec3 positionAt(std::size_t index, double strength) const;
   /// Whether the layer removes the point.
   bool isRemoved(std::size_t index, const LayerStrengths& strengths) const;
@@ -64,11 +77,16 @@ class LayerShape {
     std::array<std::uint32_t, kNeighbours> indices{};
     std::size_t count = 0;
   };
+  DVec3 areaAt(std::size_t index, double strength) const;
+  bool isFolded(double strength) const;
+  void findRange();
+  Vec3 presentNormal(std::size_t index, const LayerStrengths& strengths) const;
   std::array<Vec3, 2> bendsOf(std::size_t index, std::span<const std::uint32_t> near) const;
 
   std::vector<LayerPlace> places_;          // ascending by number
   std::vector<Surroundings> surroundings_;  // as places_
-  std::vector<Near> nearMerged_;            // the points beside merged ones, before
+  Range range_;
+  std::vector<Near> nearMerged_;  // the points beside merged ones, before
 };
 
 }  // namespace palpate

@@ -1,13 +1,13 @@
 #include "engine/edit/stroke_layers.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <utility>
 
 #include "engine/cloud/shortest_rotation.hpp"
 #include "engine/core/check.hpp"
-#include "engine/core/parallel.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 
@@ -267,36 +267,31 @@ void StrokeLayers::hold(const LayerShape& shape, const LayerStrengths& was, cons
   }
 }
 
-std::size_t StrokeLayers::slide(StrokeLayerChange& to, const PointStates& present, const PointLock* lock,
-                                std::vector<PointChange>& changes) {
+BareVector<PointState> StrokeLayers::slide(StrokeLayerChange& to, const PointStates& present, const PointLock* lock) {
   observe(to.number, present);
   const Layer& layer = layers_[to.number];
-  if (layer.shape.isTorn()) to.set.strength = std::clamp(to.set.strength, 0.0, 1.0);
-  if (lock) hold(layer.shape, layer.strengths(), *lock, present, to.set);
-  const LayerStrengths then{to.set.shown(), to.set.held};
-  const std::span<const LayerPlace> places = layer.shape.places();
-  changes.resize(places.size());
-  std::atomic<std::size_t> unchanged = 0, unseen = 0;
-  parallelFor(changes.size(), 0, [&](std::size_t begin, std::size_t end) {
-    std::size_t same = 0, gone = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint64_t point = places[i].number;
-      const PointState from = present[point];
-      PointState next = slid(layer, i, then, from);
-      if (places[i].kind != LayerPlace::Kind::kept && layer.strengths().of(point) != then.of(point))
-        next.gone = layer.shape.isRemoved(i, then) || removed_.test(point) || isRemovedByOthers(point, layer);
-      changes[i] = {from, next};
-      same += isSameToTheBit(from, next);
-      gone += from.gone && next.gone;
-    }
-    unchanged += same;
-    unseen += gone;
-  });
-  if (unchanged > 0)
-    std::erase_if(changes, [](const PointChange& change) { return isSameToTheBit(change.from, change.to); });
-  if (unseen == 0) return 0;
-  const auto isSeen = [](const PointChange& change) { return !change.from.gone || !change.to.gone; };
-  return static_cast<std::size_t>(changes.end() - std::partition(changes.begin(), changes.end(), isSeen));
+  const LayerShape& shape = layer.shape;
+  if (const LayerShape::Range& range = shape.range();
+      lock && (to.set.strength < range.low || to.set.strength > range.high))
+    throw Error("layer {}: its strength is from {} to {}, since its strokes would turn the surface over beyond that",
+                to.set.name, range.low, range.high);
+  const std::unordered_map<std::size_t, PointState> absent = shape.absentWithOthers(present, layer.strengths());
+  if (lock) hold(shape, layer.strengths(), *lock, present, to.set);
+  const LayerStrengths was = layer.strengths(), then{to.set.shown(), to.set.held};
+  const std::span<const LayerPlace> places = shape.places();
+  const auto moves = [&](std::size_t i) { return !shape.isStill(i) || layer.last(places[i].number) != kNone; };
+  const auto next = [&](std::size_t i) {
+    const std::uint64_t point = places[i].number;
+    const auto at = absent.find(i);
+    PointState state = slid(layer, i, then, at == absent.end() ? present[point] : at->second);
+    if (places[i].kind != LayerPlace::Kind::kept && was.of(point) != then.of(point))
+      state.gone = shape.isRemoved(i, then) || removed_.test(point) || isRemovedByOthers(point, layer);
+    return state;
+  };
+  BareVector<PointState> states = parallelCollect(places.size(), 0, moves, next);
+  const auto changes = [&](std::size_t i) { return !isSameToTheBit(present[states[i].number], states[i]); };
+  if (parallelCount(states.size(), 0, changes) == states.size()) return states;
+  return parallelCollect(states.size(), 0, changes, [&](std::size_t i) { return states[i]; });
 }
 
 StrokeLayerChange renumbered(StrokeLayerChange change, std::span<const PointState> states,

@@ -9,15 +9,13 @@
 #include <vector>
 
 #include "engine/core/attribute_change.hpp"
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/point_lock.hpp"
 #include "engine/edit/layer_places.hpp"
 #include "engine/edit/layer_shape.hpp"
 #include "engine/edit/point_states.hpp"
 
 namespace palpate {
-
-/// Of a layer whose strokes have cut (LayerShape::isTorn()) the strength ends at 0 and 1.
-inline constexpr double kMinLayerStrength = -1, kMaxLayerStrength = 2;
 
 /// The layers of strokes of a cloud: the points before and after the strokes of each, which are recorded, undone and
 /// redone together with the entries of the history. The first change of a layer's strength since its last stroke finds
@@ -46,11 +44,10 @@ class StrokeLayers {
   /// A stroke becomes part of a layer: `before` are its points before it, each once, `present` all points after it.
   void record(std::uint32_t number, std::span<const PointState> before, const PointStates& present);
 
-  /// Replaces `changes` by those by which a layer gets another strength; those of points that do not exist before and
-  /// after, which concern the history alone, come last. Returns their number. Limits the strength of `to`, and
-  /// notes in it the points that `lock` holds; null: those that are noted.
-  std::size_t slide(StrokeLayerChange& to, const PointStates& present, const PointLock* lock,
-                    std::vector<PointChange>& changes);
+  /// The states of the points, ascending by number, by which a layer gets another strength. Notes in `to` the points
+  /// that `lock` holds; null: those that are noted. Throws Error if the layer cannot have that strength, unless it is
+  /// recorded, without a lock.
+  BareVector<PointState> slide(StrokeLayerChange& to, const PointStates& present, const PointLock* lock);
   /// Finds the layer's shape, and notes which points something else has removed, as long as this layer does not do so
   /// itself. Before each change of its strength.
   void observe(std::uint32_t number, const PointStates& present);

@@ -43,12 +43,14 @@ class UndoList {
     bytes_ += bytesOf(change);
     done_.near.push_back(std::move(change));
   }
-  /// Removes the change added last, which is in memory, so that it can be continued.
-  Change takeLast() {
-    Change change = std::move(done_.near.back());
-    done_.near.pop_back();
-    bytes_ -= bytesOf(change);
-    return change;
+  /// More of the change made last, which is in memory: calls `exchange(change)`, which makes that, and adds to `change`
+  /// what undoes it. If it throws, it has left `change` as it was.
+  template <class Exchange>
+  void extend(const Exchange& exchange) {
+    const std::uint64_t before = bytesOf(done_.near.back());
+    exchange(done_.near.back());
+    bytes_ -= before;
+    keepLast();
   }
   /// A whole change: calls `exchange(change)`, which makes it and leaves in `change` what undoes it. Memory is taken
   /// before that: if it throws, the list is unchanged.
@@ -62,13 +64,7 @@ class UndoList {
       done_.near.pop_back();
       throw;
     }
-    begin();
-    bytes_ += bytesOf(done_.near.back());
-    while (bytes_ > budget_ && done_.near.size() > 1) dropped_ += putAway(done_);
-    if (bytes_ <= budget_) return;
-    bytes_ -= bytesOf(done_.near.back());
-    done_.near.pop_back();
-    addTooLarge();
+    keepLast();
   }
   /// It has ended, and was larger than the whole budget.
   void addTooLarge() {
@@ -82,7 +78,9 @@ class UndoList {
   template <class Exchange>
   bool undo(const Exchange& exchange) {
     dropped_ += fetch(done_);
-    return move(done_, undone_, exchange);
+    const bool isDone = move(done_, undone_, exchange);
+    dropped_ += fetch(done_);
+    return isDone;
   }
   /// The same for the change undone last.
   template <class Exchange>
@@ -91,6 +89,8 @@ class UndoList {
     return move(undone_, done_, exchange);
   }
 
+  /// The change that undo() takes next; null: none.
+  const Change* last() const { return done_.near.empty() ? nullptr : &done_.near.back(); }
   std::size_t undoCount() const { return done_.count(); }
   std::size_t redoCount() const { return undone_.count(); }
   /// Changes that can no longer be undone because of the budget; of these, those larger than the whole budget.
@@ -116,6 +116,15 @@ class UndoList {
     std::deque<Change> near;         // the last one is the next
     std::optional<KeptChanges> far;  // before those
   };
+  void keepLast() {
+    begin();
+    bytes_ += bytesOf(done_.near.back());
+    while (bytes_ > budget_ && done_.near.size() > 1) dropped_ += putAway(done_);
+    if (bytes_ <= budget_) return;
+    bytes_ -= bytesOf(done_.near.back());
+    done_.near.pop_back();
+    addTooLarge();
+  }
   // Moves the farthest change in memory to the disk; returns the number of changes that are lost for it.
   std::size_t putAway(Side& side) {
     const std::size_t lost = side.far ? side.far->push(pack(side.near.front())) : 1;
