@@ -310,6 +310,60 @@ std::shared_ptr<const FormatBaggage> editedGaussians(const PointCloud& file, std
   return GaussianEdit(file, *records, points, threads).result();
 }
 
+std::shared_ptr<const GaussianRecords> withPointBytes(const PointCloud& cloud, std::string_view name,
+                                                      std::span<const std::byte> ofPoints, unsigned threads) {
+  const GaussianRecords& records = *gaussiansOf(cloud);
+  std::vector<GaussianRecords::Column> columns = records.columns;
+  const GaussianRecords::Column* const had = records.find(name);
+  if (!had) columns.push_back({std::string(name), ScalarType::u8, records.rowBytes});
+  const std::size_t offset = had ? had->offset : records.rowBytes, bytes = records.rowBytes + (had ? 0 : 1);
+  PALPATE_CHECK(!had || had->type == ScalarType::u8);
+  const BareVector<GaussianOwner> owners = gaussianOwners(cloud, threads);
+  BareVector<std::byte> rows(records.size() * bytes);
+  parallelFor(records.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      std::byte* const row = rows.data() + i * bytes;
+      if (!had) row[offset] = std::byte{0};
+      std::memcpy(row, records.row(i), records.rowBytes);
+      if (owners[i].isNear) row[offset] = ofPoints[owners[i].point];
+    }
+  });
+  return std::make_shared<const GaussianRecords>(std::move(columns), std::move(rows));
+}
+
+void addPointBytes(PointCloud& cloud, std::string_view name, unsigned threads) {
+  const GaussianRecords& records = *gaussiansOf(cloud);
+  const GaussianRecords::Column* const column = records.find(name);
+  if (!column || column->type != ScalarType::u8 || cloud.empty()) return;
+  const BareVector<GaussianOwner> owners = gaussianOwners(cloud, threads);
+  Attribute values{std::string(name), ScalarType::u8, {}};
+  values.data.resize(cloud.size());
+  std::vector<std::uint8_t> isOwner(cloud.size());
+  std::vector<Vec3> centers;
+  std::vector<std::byte> ofCenters;
+  const GaussianColumns columns(records);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const auto& [point, distance, isNear, beside, across] = owners[i];
+    if (!isNear) continue;
+    const std::byte value = records.row(i)[column->offset];
+    values.data[point] = std::max(values.data[point], value);
+    isOwner[point] = 1;
+    centers.emplace_back(columns.center(records.row(i)) - cloud.origin);
+    ofCenters.push_back(value);
+  }
+  if (centers.empty()) return;
+  const PointTree tree(centers);
+  parallelFor(cloud.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      std::uint32_t nearest = 0;
+      double squared = 0;
+      if (isOwner[i] || tree.nearest(cloud.positions[i], {&nearest, 1}, {&squared, 1}) == 0) continue;
+      values.data[i] = ofCenters[nearest];
+    }
+  });
+  cloud.extra.push_back(std::move(values));
+}
+
 std::shared_ptr<const GaussianRecords> movedGaussians(const GaussianRecords& records, const DQuat& rotation,
                                                       const DVec3& from, const DVec3& to, unsigned threads) {
   const GaussianColumns columns(records);

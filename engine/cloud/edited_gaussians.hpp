@@ -36,6 +36,14 @@ BareVector<GaussianOwner> gaussianOwners(const PointCloud& file, unsigned thread
 std::shared_ptr<const FormatBaggage> editedGaussians(const PointCloud& file, std::span<const PointState> points,
                                                      unsigned threads = 0);
 
+/// The Gaussians of `cloud` with a column of bytes, the last one unless they have it already: those that follow a point
+/// have its value, others keep theirs, or have 0. All else is the same bit by bit. O(N log N).
+std::shared_ptr<const GaussianRecords> withPointBytes(const PointCloud& cloud, std::string_view name,
+                                                      std::span<const std::byte> ofPoints, unsigned threads = 0);
+/// Such a column as an attribute of the points, if the Gaussians have it: a point has the largest value of those that
+/// follow it, or that of the nearest one.
+void addPointBytes(PointCloud& cloud, std::string_view name, unsigned threads = 0);
+
 /// All Gaussians after a rigid motion.
 std::shared_ptr<const GaussianRecords> movedGaussians(const GaussianRecords& records, const DQuat& rotation,
                                                       const DVec3& from, const DVec3& to, unsigned threads = 0);

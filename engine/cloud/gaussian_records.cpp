@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/cloud/edited_gaussians.hpp"
 #include "engine/cloud/gaussian_columns.hpp"
 #include "engine/cloud/gaussian_surface.hpp"
 #include "engine/core/counted.hpp"
 #include "engine/core/parallel.hpp"
+#include "engine/core/point_lock.hpp"
 
 namespace palpate {
 
@@ -107,6 +109,7 @@ PointCloud surfacePointsOf(std::shared_ptr<const GaussianRecords> records, Store
   PointCloud cloud = surfaceOf(scene, threads).cloud;
   cloud.storedAs = std::move(as);
   cloud.storedAs.baggage = std::move(records);
+  addPointBytes(cloud, kLockField, threads);
   return cloud;
 }
 

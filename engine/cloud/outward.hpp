@@ -20,7 +20,8 @@ struct FacingPoint {
 /// points float in it or around it. The view from above counts five times: an open sheet faces up, also a room without
 /// a ceiling that is wider than it is high. If the votes balance, as for a wall, the surface faces frontOf(up); if it
 /// lies along that, too, the positive direction of the third axis. Points whose reach is more than three times the
-/// median do not vote. The result does not depend on `threads`.
+/// median do not vote. A room that was scanned from inside, with its ceiling, faces in: its sides are flat, and the
+/// contents between them were seen from the middle. The result does not depend on `threads`.
 bool facesInwards(BareVector<FacingPoint> surface, UpAxis up, unsigned threads);
 
 }  // namespace palpate

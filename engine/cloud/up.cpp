@@ -74,18 +74,22 @@ std::optional<Upright> asRoom(const UprightShape& shape) {
   return std::nullopt;
 }
 
+/// Number of sides that are walls, floors or ceilings seen from inside.
+std::size_t wallsIn(const UprightShape& shape) {
+  constexpr double kWall = 0.02;  // minimum share of the positions
+  return static_cast<std::size_t>(
+      std::ranges::count_if(kUpAxes, [&](const auto& named) { return shape.facingIn(named.second) > kWall; }));
+}
+
 /// A room seen from inside, all round: its walls face in, and more of the objects between them is seen from above than
 /// from any other side.
 std::optional<Upright> asInterior(const UprightShape& shape) {
-  constexpr double kWall = 0.02;       // minimum share of the positions in a wall
-  constexpr std::size_t kWalls = 4;    // minimum number
+  constexpr std::size_t kWalls = 4;
   constexpr double kFurniture = 0.02;  // minimum share of the positions
   constexpr double kMore = 1.5;        // factor to the next direction
-  std::size_t walls = 0;
   UpAxis up = UpAxis::y;
   double most = 0, next = 0;
   for (const auto& [name, direction] : kUpAxes) {
-    walls += shape.facingIn(direction) > kWall;
     const double share = shape.furniture(direction);
     next = std::max(next, std::min(most, share));
     if (share > most) {
@@ -93,7 +97,7 @@ std::optional<Upright> asInterior(const UprightShape& shape) {
       up = direction;
     }
   }
-  if (walls < kWalls || most < kFurniture || most < kMore * next) return std::nullopt;
+  if (wallsIn(shape) < kWalls || most < kFurniture || most < kMore * next) return std::nullopt;
   return Upright{up, "a room seen from inside, and its contents"};
 }
 
@@ -186,6 +190,23 @@ std::optional<Upright> asSurroundings(const PointCloud& cloud, const VoxelSample
   if (auto interior = sample.normals.empty() ? std::nullopt : asInterior(shape)) return interior;
   if (auto view = asCameraView(cloud, sample, shape)) return view;
   return asAirborne(shape);
+}
+
+/// Whether the shape was scanned from inside: a room with its ceiling, also an empty one, or what is open above, as a
+/// street between walls that face each other and show only their backs from outside.
+bool isInterior(const UprightShape& shape, UpAxis up, bool hasNormals) {
+  constexpr double kBacks = 0.3, kOpen = 0.7;  // shares of what is seen from a side that faces the viewer
+  if (!hasNormals) return false;
+  if (asInterior(shape)) return true;
+  const Sides sides = sidesOf(up);
+  const auto showsBacks = [&](int axis) {
+    const auto side = static_cast<UpAxis>(axis);
+    return shape.seenFrom(side).outside < kBacks && shape.seenFrom(opposite(side)).outside < kBacks;
+  };
+  constexpr std::size_t kClosed = 5;  // walls: a floor may be covered
+  const bool across = showsBacks(sides.across), along = showsBacks(sides.along);
+  if (across && along && wallsIn(shape) >= kClosed) return true;
+  return (across || along) && shape.seenFrom(up).outside > kOpen;
 }
 
 /// Towards the viewer of a standing object, which is seen from outside and open behind; else of its wider side.
@@ -338,10 +359,15 @@ bool keepPose(std::vector<std::string>& comments, double mm_per_unit, UpAxis up)
 
 Upright findUp(const PointCloud& cloud) {
   const auto said = upSaidIn(cloud.storedAs.comments);
-  if (said) return {*said, "the file says so", Sureness::known, frontOf(*said)};
+  Upright known{said.value_or(UpAxis::y), "the file says so", Sureness::known, frontOf(said.value_or(UpAxis::y))};
   const VoxelSample sample = voxelSampleOf(cloud);
-  if (sample.places.size() < kFewest) return {UpAxis::y, "too few points to tell", Sureness::guessed};
+  if (sample.places.size() < kFewest)
+    return said ? known : Upright{UpAxis::y, "too few points to tell", Sureness::guessed};
   const UprightShape shape(sample);
+  if (said) {
+    known.isInterior = isInterior(shape, *said, !sample.normals.empty());
+    return known;
+  }
   std::optional<Upright> found = asSurroundings(cloud, sample, shape);
   const bool isObject = !found;
   if (!found) found = asCutBody(shape);
@@ -349,6 +375,7 @@ Upright findUp(const PointCloud& cloud) {
   if (!found) found = bySmoothness(shape);
   if (!found) return {UpAxis::y, "the shape is ambiguous", Sureness::guessed};
   found->front = frontOf(found->up);
+  found->isInterior = isInterior(shape, found->up, !sample.normals.empty());
   if (isObject) findFront(*found, shape);
   return *found;
 }

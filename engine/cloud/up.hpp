@@ -45,6 +45,7 @@ struct Upright {
   Sureness sureness = Sureness::likely;
   DVec3 front{0, 0, 1};  ///< unit: towards a viewer who sees its face, or its wider side
   Sureness frontSureness = Sureness::guessed;
+  bool isInterior = false;  ///< of a room or a street that was scanned from inside: its walls face in
 
   /// `front` for the up axis that was found, frontOf() for another.
   DVec3 frontFor(UpAxis shown) const { return shown == up ? front : frontOf(shown); }

@@ -247,9 +247,9 @@ SeenSide UprightShape::seenFrom(UpAxis side) const {
       ++varied;
       detail += 1 - glm::length(sum) / static_cast<double>(around);
     }
-  if (varied == 0) return {};
+  if (count == 0) return {};
   return {.outside = static_cast<double>(outside) / static_cast<double>(count),
-          .detail = detail / static_cast<double>(varied)};
+          .detail = varied > 0 ? detail / static_cast<double>(varied) : 0};
 }
 
 bool UprightShape::isFacade(int thin) const {
