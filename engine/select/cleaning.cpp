@@ -1,7 +1,10 @@
 #include "engine/select/cleaning.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <numeric>
@@ -44,7 +47,8 @@ PointSet setOf(const std::vector<std::uint8_t>& truths, unsigned threads) {
 
 }  // namespace
 
-std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t neighbours, unsigned threads) {
+std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t neighbours, unsigned threads,
+                                       const ShareDone& progress) {
   PALPATE_CHECK_LE(1u, neighbours);
   const Places places = distinctPlaces(cloud.positions);
   const std::size_t count = places.positions.size();
@@ -54,6 +58,7 @@ std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t ne
   std::vector<double> means(count);
   const std::size_t most = std::min<std::size_t>(std::size_t{neighbours} + 1, count);
   constexpr std::size_t kBlock = 1024;
+  std::atomic<std::size_t> done = 0;
   parallelBlocks(count, kBlock, threads, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> near(most);
     std::vector<double> squared(most);
@@ -70,6 +75,8 @@ std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t ne
       }
       means[i] = found > 0 ? sum / static_cast<double>(found) : 0;
     }
+    done += end - begin;
+    if (progress) progress(static_cast<double>(done) / static_cast<double>(count));
   });
   std::vector<double> distances(cloud.size());
   for (std::size_t i = 0; i < distances.size(); ++i) distances[i] = means[places.placeOf[i]];
@@ -89,12 +96,20 @@ double limitOf(std::span<const double> distances, double sigma) {
 }  // namespace
 
 PointSet statisticalOutliers(const PointCloud& cloud, std::uint32_t neighbours, double sigma, unsigned threads,
-                             const DistanceMaker& make) {
+                             const DistanceMaker& make, const ShareDone& progress) {
   if (cloud.size() < 2) return {};
   const auto made = make ? make(cloud, neighbours, threads) : std::nullopt;
-  const std::vector<double> distances = made ? *made : neighbourDistances(cloud, neighbours, threads);
+  const std::vector<double> distances = made ? *made : neighbourDistances(cloud, neighbours, threads, progress);
   const double limit = limitOf(distances, sigma);
   return PointBits::where(distances.size(), threads, [&](std::size_t i) { return distances[i] > limit; }).set();
+}
+
+std::string outlierShare(std::uint64_t outliers, std::uint64_t points) {
+  constexpr double kUsual_percent = 5;
+  const double share_percent = points > 0 ? 100 * static_cast<double>(outliers) / static_cast<double>(points) : 0;
+  std::string words = fmt::format("{:.1f} % of the points", share_percent);
+  if (share_percent > kUsual_percent) words += "; a larger sigma, such as 3, finds fewer";
+  return words;
 }
 
 PointSet radiusOutliers(const PointCloud& cloud, std::uint32_t neighbours, double radius, unsigned threads) {

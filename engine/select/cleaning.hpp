@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -15,7 +16,10 @@ namespace palpate {
 
 /// Mean distance of each point to its `neighbours` nearest other points, model units; to all others if there are fewer,
 /// and 0 if there is none. Points at the same position are neighbours at distance 0.
-std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t neighbours, unsigned threads = 0);
+/// `progress` is called with the share that is done, from any thread.
+using ShareDone = std::function<void(double)>;
+std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t neighbours, unsigned threads = 0,
+                                       const ShareDone& progress = nullptr);
 
 /// A faster neighbourDistances(); empty where it cannot compute them, or would not be faster.
 using DistanceMaker = std::function<std::optional<std::vector<double>>(const PointCloud& cloud,
@@ -25,7 +29,11 @@ using DistanceMaker = std::function<std::optional<std::vector<double>>(const Poi
 /// (Rusu, Marton, Blodow, Dolha and Beetz 2008, "Towards 3D point cloud based object maps for household environments",
 /// section 4.1).
 PointSet statisticalOutliers(const PointCloud& cloud, std::uint32_t neighbours, double sigma, unsigned threads = 0,
-                             const DistanceMaker& distances = nullptr);
+                             const DistanceMaker& distances = nullptr, const ShareDone& progress = nullptr);
+
+/// What of a cloud statistical outliers are, in words, for a user: "13.9 % of the points"; with the advice to use a
+/// larger sigma where these are more than noise usually is.
+std::string outlierShare(std::uint64_t outliers, std::uint64_t points);
 
 /// The points with fewer than `neighbours` others nearer than `radius`, model units.
 PointSet radiusOutliers(const PointCloud& cloud, std::uint32_t neighbours, double radius, unsigned threads = 0);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -30,9 +31,10 @@ enum class MadeField : std::uint8_t {
 
 struct FieldOptions {
   double mm_per_unit = 1;
-  double radius = 0;         ///< of the neighbourhoods, model units; 0: four spacings
-  std::optional<UpAxis> up;  ///< empty: findUp()
-  unsigned threads = 0;      ///< 0: one per core
+  double radius = 0;                               ///< of the neighbourhoods, model units; 0: four spacings
+  std::optional<UpAxis> up;                        ///< empty: findUp()
+  unsigned threads = 0;                            ///< 0: one per core
+  std::function<void(double)> progress = nullptr;  ///< of prepared(): called with the share that is done, on any thread
 };
 
 /// One value for each point; NaN where the neighbourhood has too few points. Throws Stopped.

@@ -46,7 +46,7 @@ class Preparer {
     std::iota(result_.numbers.begin(), result_.numbers.end(), 0u);
   }
 
-  void keep(std::string_view name, const PointSet& which) {
+  void keep(std::string_view name, const PointSet& which, const std::string& dropped = {}) {
     const std::size_t before = cloud().size();
     std::vector<std::uint32_t> numbers;
     numbers.reserve(which.count());
@@ -55,7 +55,14 @@ class Preparer {
       result_.cloud = chosenPoints(cloud(), which, options_.threads);
       result_.numbers = std::move(numbers);
     }
-    done(name, before, fmt::format("keeps {} of {}", cloud().size(), counted(before, noun_)));
+    done(name, before, fmt::format("keeps {} of {}{}", cloud().size(), counted(before, noun_), dropped));
+  }
+  void dropOutliers(const Preparation& preparation, const DistanceMaker& distances) {
+    const PointSet which = statisticalOutliers(cloud(), static_cast<std::uint32_t>(preparation.outlierNeighbours),
+                                               preparation.outlierSigma, options_.threads, distances,
+                                               [this](double share) { progressed(share); });
+    keep("prepare.outlier_neighbours", othersThan(which, cloud().size()),
+         ", and drops " + outlierShare(which.count(), cloud().size()));
   }
   void drop(std::string_view name, const PointSet& which) { keep(name, othersThan(which, cloud().size())); }
   void where(std::string_view name, std::string_view condition, bool holds = true) {
@@ -105,9 +112,14 @@ class Preparer {
 
  private:
   void done(std::string_view name, std::size_t before, std::string what) {
-    const auto number = static_cast<double>(result_.steps.size() + 1);
-    result_.steps.push_back({name, before, cloud().size(), std::move(what), number / static_cast<double>(steps_)});
+    progressed(1);
+    result_.steps.push_back({name, before, cloud().size(), std::move(what)});
     if (report_) report_(result_.steps.back());
+  }
+  // `share`: of the present step.
+  void progressed(double share) const {
+    const auto done = static_cast<double>(result_.steps.size()) + share;
+    if (options_.progress) options_.progress(done / static_cast<double>(steps_));
   }
 
   std::string_view noun_;
@@ -177,10 +189,7 @@ PreparedCloud preparedPoints(PointCloud cloud, std::string_view noun, const Prep
   if (preparation.cropOutside) preparer.where("prepare.crop_outside", conditionOf(preparation.cropOutside), false);
   if (!preparation.where.empty()) preparer.where("prepare.where", preparation.where);
   if (preparation.dropDuplicates) preparer.drop("prepare.drop_duplicates", duplicatePoints(preparer.cloud(), threads));
-  if (preparation.outlierNeighbours > 0)
-    preparer.drop("prepare.outlier_neighbours",
-                  statisticalOutliers(preparer.cloud(), static_cast<std::uint32_t>(preparation.outlierNeighbours),
-                                      preparation.outlierSigma, threads, distances));
+  if (preparation.outlierNeighbours > 0) preparer.dropOutliers(preparation, distances);
   if (preparation.radiusNeighbours > 0)
     preparer.drop("prepare.radius_neighbours",
                   radiusOutliers(preparer.cloud(), static_cast<std::uint32_t>(preparation.radiusNeighbours),
@@ -198,7 +207,8 @@ PreparedCloud preparedPoints(PointCloud cloud, std::string_view noun, const Prep
 }
 
 PreparedCloud preparedAll(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
-                          const std::function<void(const PreparedStep&)>& report, const DistanceMaker& distances) {
+                          const std::function<void(const PreparedStep&)>& report, const DistanceMaker& distances,
+                          SplatSurface surface) {
   const Preparation rotating{.upright = preparation.upright, .level = preparation.level};
   Preparation selecting = preparation;
   selecting.upright.reset(), selecting.level = false;
@@ -208,9 +218,15 @@ PreparedCloud preparedAll(PointCloud cloud, const Preparation& preparation, cons
   if (preparation.fillHoles_mm > 0) throw ConfigError("prepare.fill_holes_mm", "{}", kGaussiansKeepHoles);
   const GaussianCenters centers = centersOf(*gaussians, options.threads);
   PreparedCloud result = preparedPoints(centers.cloud, "Gaussian", selecting, options, report, distances);
-  result.cloud = surfacePointsOf(changedGaussians(*gaussians, centers, result.cloud, result.numbers), cloud.storedAs,
-                                 options.threads);
+  auto changed = changedGaussians(*gaussians, centers, result.cloud, result.numbers);
   result.numbers.clear();
+  if (surface == SplatSurface::none && rotating == Preparation{}) {
+    result.cloud = {};
+    result.cloud.storedAs = cloud.storedAs;
+    result.cloud.storedAs.baggage = std::move(changed);
+    return result;
+  }
+  result.cloud = surfacePointsOf(std::move(changed), cloud.storedAs, options.threads);
   if (rotating == Preparation{}) return result;
   PreparedCloud rotated = preparedPoints(std::move(result.cloud), "point", rotating, options, report, {});
   result.cloud = std::move(rotated.cloud);
@@ -229,11 +245,13 @@ bool removesPoints(Preparation preparation) {
 }  // namespace
 
 PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
-                       const std::function<void(const PreparedStep&)>& report, const DistanceMaker& distances) {
-  if (!removesPoints(preparation)) return preparedAll(std::move(cloud), preparation, options, report, distances);
+                       const std::function<void(const PreparedStep&)>& report, const DistanceMaker& distances,
+                       SplatSurface surface) {
+  if (!removesPoints(preparation))
+    return preparedAll(std::move(cloud), preparation, options, report, distances, surface);
   const Upright upright = findUp(cloud);
   const double touchScale = touchScaleOf(cloud);
-  PreparedCloud result = preparedAll(std::move(cloud), preparation, options, report, distances);
+  PreparedCloud result = preparedAll(std::move(cloud), preparation, options, report, distances, surface);
   const auto removes = [](const PreparedStep& step) { return step.after < step.before; };
   if (std::ranges::none_of(result.steps, removes)) return result;
   const auto moves = [](const std::string& rule) { return movesPoints("prepare.set", rule); };

@@ -22,7 +22,6 @@ struct PreparedStep {
   std::string_view name;  ///< path of its setting: "prepare.where"
   std::size_t before = 0, after = 0;
   std::string what;  ///< in words: "keeps 1200 of 5000 points"
-  double share = 0;  ///< of all steps, that are done now
 };
 
 struct PreparedCloud {
@@ -41,12 +40,16 @@ struct PreparedCloud {
 /// coreBoundsOf() is 100 mm.
 double mmPerUnit(const PointCloud& cloud, double given);
 
+/// Whether the points of a splat scene's surface are made again after its Gaussians changed. Without, a cloud that was
+/// not rotated has its Gaussians alone.
+enum class SplatSurface { made, none };
+
 /// In a splat scene the steps are done to the Gaussians, whose columns are fields (`opacity > 0`), and the points are
 /// the surface of those that stay; only levelling looks for the ground in the surface, and holes are not closed.
 /// `report` is called after each step, and may throw; `distances`: of statisticalOutliers(). Points that stay keep all
 /// that no step sets, bit by bit. Throws ExpressionError, Error and Stopped.
 PreparedCloud prepared(PointCloud cloud, const Preparation& preparation, const FieldOptions& options,
-                       const std::function<void(const PreparedStep&)>& report = {},
-                       const DistanceMaker& distances = {});
+                       const std::function<void(const PreparedStep&)>& report = {}, const DistanceMaker& distances = {},
+                       SplatSurface surface = SplatSurface::made);
 
 }  // namespace palpate

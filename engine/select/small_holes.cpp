@@ -267,17 +267,17 @@ std::vector<Vec3> normalsOf(const PointCloud& cloud, unsigned threads) {
 
 }  // namespace
 
-std::string inWords(const HoleFilling& filling, double mm_per_unit) {
+std::string inWords(const HoleFilling& filling, double perUnit, std::string_view unit) {
   std::string words =
       fmt::format("closes {} with {}", counted(filling.closed, "hole"), counted(filling.points.size(), "new point"));
   if (filling.left > 0)
     words += fmt::format("; {} left open, whose rim folds", counted(filling.left, "hole is", "holes are"));
   if (filling.wider > 0) {
     // Rounded up, so that this length closes it.
-    const double width_mm = filling.narrowest * mm_per_unit;
-    const double step = std::pow(10.0, std::floor(std::log10(width_mm)) - 2);
-    words += fmt::format("; {} wider{} {:.6g} mm", counted(filling.wider, "hole is", "holes are"),
-                         filling.wider == 1 ? ":" : ", the narrowest", std::ceil(width_mm / step) * step);
+    const double width = filling.narrowest * perUnit;
+    const double step = std::pow(10.0, std::floor(std::log10(width)) - 2);
+    words += fmt::format("; {} wider{} {:.6g} {}", counted(filling.wider, "hole is", "holes are"),
+                         filling.wider == 1 ? ":" : ", the narrowest", std::ceil(width / step) * step, unit);
   }
   return words;
 }

@@ -18,6 +18,7 @@ constexpr std::size_t kForSpacing = 6;  // of these, at least, where there are a
 constexpr std::size_t kMaxListed = 12;  // neighbours that a point finds
 constexpr float kSameSheet = -0.3f;     // least cosine between normals
 constexpr float kLongest = 3.5f;        // of an edge, spacings
+constexpr double kMaxRim = 4;           // by which a rim is wider than its hole, spacings
 constexpr std::uint32_t kNobody = ~0u;
 
 using Listed = std::array<std::uint32_t, kMaxListed>;
@@ -125,14 +126,51 @@ std::size_t SurfaceFaces::after(std::uint32_t from, std::uint32_t to) const {
   return back > begins_[to] ? back - 1 : begins_[to + 1] - 1;
 }
 
-double SurfaceFaces::widthOf(std::span<const std::uint32_t> rim) const {
-  double width = 0;
-  for (std::size_t i = 0; i < rim.size(); ++i) {
-    throwIfStopWanted();
-    for (std::size_t j = 0; j < i; ++j)
-      width = std::max(width, glm::distance(DVec3(positions_[rim[i]]), DVec3(positions_[rim[j]])));
+// Of the points next to the rim: those of the rim lack neighbours in the hole.
+double SurfaceFaces::spacingAround(std::span<const std::uint32_t> rim) const {
+  std::vector<std::uint32_t> sorted(rim.begin(), rim.end());
+  std::ranges::sort(sorted);
+  double around = 0, on = 0;
+  std::size_t count = 0;
+  for (const std::uint32_t each : rim) {
+    on += spacingOf(each);
+    for (const std::uint32_t next : neighboursOf(each))
+      if (!std::ranges::binary_search(sorted, next)) around += spacingOf(next), ++count;
   }
-  return width;
+  return count > 0 ? around / static_cast<double>(count) : on / static_cast<double>(rim.size());
+}
+
+double SurfaceFaces::widthOf(const Face& face) const {
+  const Frame3 frame = frameAround(glm::normalize(face.area));
+  std::vector<DVec2> corners;
+  DVec3 first(positions_[face.rim.front()]);
+  double across = 0;
+  for (const std::uint32_t each : face.rim) {
+    throwIfStopWanted();
+    const DVec3 offset = DVec3(positions_[each]) - first;
+    corners.emplace_back(glm::dot(offset, frame.u), glm::dot(offset, frame.v));
+    for (const std::uint32_t other : face.rim)
+      across = std::max(across, glm::distance(DVec3(positions_[each]), DVec3(positions_[other])));
+  }
+  double area = 0, xx = 0, yy = 0, xy = 0;
+  DVec2 middle(0);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const DVec2 p = corners[i], q = corners[(i + 1) % corners.size()];
+    const double twice = p.x * q.y - q.x * p.y;
+    area += twice / 2;
+    middle += twice / 6 * (p + q);
+    xx += twice / 12 * (p.x * p.x + p.x * q.x + q.x * q.x);
+    yy += twice / 12 * (p.y * p.y + p.y * q.y + q.y * q.y);
+    xy += twice / 24 * (p.x * q.y + 2 * p.x * p.y + 2 * q.x * q.y + q.x * p.y);
+  }
+  middle /= area;
+  xx = xx / area - middle.x * middle.x, yy = yy / area - middle.y * middle.y, xy = xy / area - middle.x * middle.y;
+  const double largest = (xx + yy) / 2 + std::hypot((xx - yy) / 2, xy);
+  const double spacing = spacingAround(face.rim), point = spacing * spacing;
+  const double missing = std::max(0.0, area - point * (static_cast<double>(corners.size()) / 2 - 1));
+  const double longAxis = 4 * std::sqrt(std::max(0.0, largest) * missing / area);
+  constexpr double kRound = 0.93;  // so that chance hardly makes a hole wider than it is
+  return std::max(kRound * longAxis, across - kMaxRim * spacing);
 }
 
 SurfaceFaces::Holes SurfaceFaces::holes(double widest) const {
@@ -172,7 +210,7 @@ SurfaceFaces::Holes SurfaceFaces::holes(double widest) const {
       const double spacing = spacings / static_cast<double>(face.rim.size());
       const auto area = static_cast<float>(glm::length(face.area) / (spacing * spacing));
       if (farthest <= widest * widest) areas.push_back(area);
-      if (area >= kMinArea) large.push_back({face, static_cast<double>(area), std::sqrt(farthest)});
+      if (area >= kMinArea) large.push_back({face, static_cast<double>(area), std::sqrt(farthest) - kMaxRim * spacing});
     }
   double least = kMinArea;
   if (!areas.empty()) {
@@ -186,7 +224,7 @@ SurfaceFaces::Holes SurfaceFaces::holes(double widest) const {
     if (each.area < least) continue;
     // A rim whose first point alone makes it wider than the narrowest one is not measured.
     const bool isMeasured = holes.wider == 0 || each.width < holes.narrowest || each.width <= widest;
-    const double width = isMeasured ? widthOf(each.face.rim) : each.width;
+    const double width = isMeasured ? widthOf(each.face) : each.width;
     if (width <= widest) {
       holes.fitting.push_back(std::move(each.face));
     } else {

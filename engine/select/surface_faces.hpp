@@ -31,16 +31,21 @@ class SurfaceFaces {
     DVec3 area{0};                   ///< vector of its area, along the normals
   };
   struct Holes {
-    std::vector<Face> fitting;  ///< whose rims are nowhere wider than a limit
+    std::vector<Face> fitting;  ///< no wider than a limit
     std::size_t wider = 0;      ///< number of the others
-    double narrowest = 0;       ///< greatest width of the narrowest of these, model units
+    double narrowest = 0;       ///< width of the narrowest of these, model units
   };
   /// The faces around empty parts that are much larger than the others, by area for each point. The outer border of an
   /// open surface is none: it goes round the other way.
+  ///
+  /// The width of a hole is that of what is missing, and not of the rim, which is wider by one to three spacings: the
+  /// long axis of the ellipse with the second moments of the face, reduced to the area of the points that are missing
+  /// in it by Pick's theorem (1899, "Geometrisches zur Zahlenlehre"). A round hole is as wide as its diameter.
   Holes holes(double widest) const;
 
  private:
-  double widthOf(std::span<const std::uint32_t> rim) const;
+  double widthOf(const Face& face) const;
+  double spacingAround(std::span<const std::uint32_t> rim) const;
   std::size_t halfEdge(std::uint32_t from, std::uint32_t to) const;
   std::size_t after(std::uint32_t from, std::uint32_t to) const;
 
