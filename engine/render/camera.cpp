@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kFrontElevation_deg = 12;  // elevation of the fitted eye above the horizon
 constexpr double kFlatElevation_deg = 40;   // likewise, for a model without height
+constexpr double kRoomElevation_deg = 30;   // likewise, at least, for a room
 constexpr double kLow = 0.3;                // of the width: flatter models are seen from higher up
 constexpr double kFill = 0.9;               // share of the picture that the model fills
 constexpr double kClosest = 1e-2;           // of the box: minimum distance of the fitted eye from the nearest point
@@ -76,7 +77,8 @@ Camera frontCamera(const Bounds& bounds, double fov_deg, const Framing& framing)
     return {.eye = glm::normalize(framing.front + glm::cross(top, framing.front) + top), .up = top, .fov_deg = fov_deg};
   const double height = std::abs(glm::dot(side, top)), width = bounds.longestSide();
   const double flat = width > 0 ? std::max(0.0, 1 - height / (kLow * width)) : 0;
-  const double elevation = glm::radians(glm::mix(kFrontElevation_deg, kFlatElevation_deg, flat));
+  const double low_deg = framing.fromAbove ? kRoomElevation_deg : kFrontElevation_deg;
+  const double elevation = glm::radians(std::max(low_deg, glm::mix(kFrontElevation_deg, kFlatElevation_deg, flat)));
   return {.eye = std::sin(elevation) * top + std::cos(elevation) * framing.front, .up = top, .fov_deg = fov_deg};
 }
 

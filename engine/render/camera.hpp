@@ -18,6 +18,7 @@ struct Framing {
   double margin = 0;          ///< around each point, model units: radius of its disc
   bool isometric = false;     ///< from the front, the right and above alike; else from the front
   bool orthographic = false;
+  bool fromAbove = false;  ///< seen from high enough above that one looks into a room
 };
 
 /// Parameters of a camera; missing ones come from Camera::fitting(). Positions in file coordinates.

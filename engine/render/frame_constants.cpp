@@ -247,7 +247,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .unpainted = baseColor,
                             .backgroundOpacity = options.transparent ? 0.f : 1.f,
                             .firstDisc = drawn.firstDisc,
-                            .unused = 0};
+                            .hidesBacks = options.hidesBacks};
   if (drawn.closeHoles) {
     const double radius_px = usual * frame.view.focal_px / camera.divisorAt(std::max(depths.x, camera.nearDepth));
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));

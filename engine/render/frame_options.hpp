@@ -180,6 +180,7 @@ struct FrameOptions {
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a dark gradient if not set
   bool transparent = false;   ///< no background: pixels have the opacity of what covers them
   bool tintsSelected = true;  ///< shows which points are selected, and how far they are locked
+  bool hidesBacks = false;    ///< draws no surface from its back: one looks into a room through its walls
   Overlays overlays;
   /// Drawn over everything else; null: none. The list must not be changed after it was set; replace it instead.
   std::shared_ptr<const std::vector<SpaceLine>> lines;

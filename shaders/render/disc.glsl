@@ -4,7 +4,9 @@
 #include "shaders/render/view.glsl"
 #include "shaders/shared/frame.h"
 
-const float kOutlineFacing = 0.7;  // cosine; more treats insides as outlines, less lights outlines as insides
+// Cosines between which the back of a disc becomes the inside of an open surface: more treats insides as outlines,
+// which are dark, less lights outlines as insides.
+const float kOutlineFacing = 0.2, kInsideFacing = 0.45;
 const float kEdgeTrust = 0.1;      // of a disc seen edge-on; more roughens outlines and folds
 // Of a disc seen from its back: it counts only if no other disc does. More lets the far side of an edge shine through.
 const float kBackTrust = 1.0 / 256;
@@ -43,22 +45,28 @@ bool placeDisc(RenderView view, vec3 position, out Disc disc) {
   return true;
 }
 
-// Orientation and shading normal of a disc; without a normal it faces the eye. A disc seen slightly from its back
-// sticks out over an outline, and is lit as the outline. Seen fully from the back it is the inside of an open surface,
+// Orientation and shading normal of a disc; without a normal it faces the eye. False if it is not visible, as its back
+// is if `hidesBacks` is not 0. A disc seen slightly from its back
+// sticks out over an outline, and is lit as the outline. Seen more from the back it is the inside of an open surface,
 // and its normal is reversed. Discs seen edge-on stand out of the surface at folds and outlying normals, so they count
 // less. `commonRadius`: the radius of all discs, which are then not clipped; 0: each has its own.
-void orientDisc(RenderView view, vec4 normalAndRadius, uint clipBits, float commonRadius, inout Disc disc) {
+bool orientDisc(RenderView view, vec4 normalAndRadius, uint clipBits, float commonRadius, uint hidesBacks,
+                inout Disc disc) {
   const vec3 toViewer = -normalize(sightTo(view, disc.center));
   disc.normal = toEye(view, normalAndRadius.xyz);
   if (!(dot(disc.normal, disc.normal) >= 0.25)) disc.normal = toViewer;
   disc.radius = commonRadius > 0 ? commonRadius : normalAndRadius.w;
   disc.clip = commonRadius > 0 ? vec3(0) : clipOf(view, normalAndRadius, clipBits);
   const float facing = dot(disc.normal, toViewer);
+  if (hidesBacks != 0 && facing < 0) return false;
   vec3 shading = disc.normal;
-  if (facing < -kOutlineFacing) shading = -shading;
-  else if (facing < 0) shading = normalize(shading - facing * toViewer);
+  if (facing < 0) {
+    const vec3 outline = (shading - facing * toViewer) * inversesqrt(max(1 - facing * facing, 1e-6));
+    shading = normalize(mix(outline, -shading, smoothstep(kOutlineFacing, kInsideFacing, -facing)));
+  }
   disc.shading = fromEye(view, shading);
   disc.trust = facing > 0 ? max(facing, kEdgeTrust) : kBackTrust;
+  return true;
 }
 
 struct PixelBox {

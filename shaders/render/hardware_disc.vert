@@ -22,7 +22,9 @@ void main() {
   const RenderView view = args.frame.at[0].view;
   Disc disc;
   if (!placeDisc(view, args.positions.at[point].xyz, disc)) return;
-  orientDisc(view, args.normals.at[point], args.clips.at[point], args.frame.at[0].splatRadius, disc);
+  if (!orientDisc(view, args.normals.at[point], args.clips.at[point], args.frame.at[0].splatRadius,
+                  args.frame.at[0].hidesBacks, disc))
+    return;
   PixelBox box = boxOf(view, disc);
   const uint share = gl_VertexIndex % shares;
   box.first += ivec2(share % args.tiles, share / args.tiles) * int(args.largestPoint_px);

@@ -42,7 +42,8 @@ bool loadDisc(RenderView view, uint point, out Disc disc) {
   if (!placeDisc(view, args.positions.at[point].xyz, disc)) return false;
   const float lot = lotOf(point);
   const float unitPx = view.focal_px / divisorAt(view, disc.center.z);
-  orientDisc(view, args.normals.at[point], args.clips.at[point], commonRadius(), disc);
+  const uint hidesBacks = args.frame.at[0].hidesBacks;
+  if (!orientDisc(view, args.normals.at[point], args.clips.at[point], commonRadius(), hidesBacks, disc)) return false;
   const float detail = detailOf(disc.radius * unitPx);
   if (lot >= detail) return false;
   disc.trust *= min(4 * (1 - lot / detail), 1);

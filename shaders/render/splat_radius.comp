@@ -26,6 +26,7 @@ uint visits;  // points visited so far
 // One over the distance to the nearest border, in each direction; 0 if there is none.
 vec3 aheadA, aheadB, behindA, behindB;
 uint neighbours;
+uint onSheet, offPlane;  // neighbours in the same sheet, and those of them that are off the plane
 bool besideEdge;  // a point of another side was visited
 bool clips;       // purpose of the visits
 float clipCloseness;
@@ -69,6 +70,9 @@ void visitNeighbour(uint id, vec3 other, vec3 d) {
   }
   besideEdge = besideEdge || ofOtherSide(other) && dot(other, other) > 0.25;
   if (dot(other, other) > 0.25 && dot(other, selfNormal) <= kSplatSameSheet) return;
+  const float above = dot(d, selfNormal);
+  ++onSheet;
+  offPlane += above * above > kSplatOffPlane * kSplatOffPlane * squared ? 1 : 0;
   const float a = dot(d, axisU) * 2 / squared, b = dot(d, axisV) * 2 / squared;
   const float least = 2 * kSplatAhead / sqrt(squared);
   const vec3 first = a * kCosA + b * kSinA, second = a * kCosB + b * kSinB;
@@ -162,6 +166,12 @@ float radiusInPlane(float usual, float open) {
   return least < kNone ? kSplatCover / least : radiusAlone();
 }
 
+// The whole subgroup calls it together.
+bool isOfSurface() {
+  const float around = float(reduceAdd(onSheet));
+  return around >= float(kSplatFewestAround) && float(reduceAdd(offPlane)) <= kSplatOff * around;
+}
+
 void main() {
   const uint splat = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
   if (splat >= args.count) return;
@@ -178,6 +188,7 @@ void main() {
   visits = 0;
   besideEdge = false;
   clips = false;
+  onSheet = offPlane = 0;
   const uvec2 own = args.cloud.ranges.at[bucketOf(args.cloud.grid, cellOf(args.cloud.grid, point.xyz))];
   const float crowd = float(own.y - own.x) / float(kSplatUsualInCell);
   const float farthest = 2 * args.widest;
@@ -203,6 +214,7 @@ void main() {
     seen = reach;
     reach = min(2 * reach, farthest);
   }
+  if (hasPlane && radius > kSplatLone * args.spacing && !isOfSurface()) radius = radiusAlone();
   const vec2 clip = subgroupAny(besideEdge) ? clipLine(point.xyz, radius) : vec2(0);
   if (!subgroupElect()) return;
   args.normals.at[id].w = radius;

@@ -36,6 +36,7 @@ bool loadTriangle(RenderView view, uint number, out Triangle t) {
     high = max(high, t.corners_px[k]);
   }
   t.normal = cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]);
+  if (args.frame.at[0].hidesBacks != 0 && dot(t.normal, sightTo(view, t.corners[0])) < 0) return false;
   // Sample k has its middle at k + 0.5.
   t.first = max(ivec2(ceil(low - 0.5)), ivec2(0));
   t.last = min(ivec2(floor(high - 0.5)), ivec2(view.size_px) - 1);

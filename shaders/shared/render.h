@@ -179,7 +179,7 @@ struct RenderFrame {
   uint unpainted;                 // baseColor as RGBA8: what points show that carry kUnpainted
   float backgroundOpacity;        // 1, or 0 for a transparent background, whose light is 0 as well
   uint firstDisc;                 // points before it are drawn otherwise
-  uint unused;
+  uint hidesBacks;                // not 0: no surface is drawn from its back
 };
 PALPATE_SIZE(RenderFrame, 80 + 144 + 44 + 40 + 52 + 64);
 

@@ -6,6 +6,9 @@
 // Such a direction is open, as is one whose border is much farther than the others, and the disc does not extend to it.
 // Points farther than twice the result cannot change it, so that a search may start with a small radius.
 //
+// A wide disc must be of a surface: if many of the points around are off its plane, or hardly any are there, as about
+// points that float, it closes nothing, and has the radius of a usual one.
+//
 // At a sharp convex edge a disc would stand out over the other side. There it is clipped along the line where the
 // planes of the two sides meet (after Zwicker et al. 2004, "Perspective accurate splatting", section 5), but keeps its
 // own Voronoi cell. Where the other side is undercut, as under the rim of a dent, its plane passes behind the point:
@@ -39,6 +42,14 @@ const float kSplatFirstSearch = 3.2f;
 const float kSplatWidest = 4.0f;
 // Points of one cell with an even surface in it; if there are more, the first search is narrower.
 const uint kSplatUsualInCell = 12;
+// In mean spacings: wider discs must be of a surface. Less leaves gaps in uneven scans, more lets floating points stand
+// out.
+const float kSplatLone = 1.5f;
+// Sine: a neighbour this far from the plane is off it. Of a surface at most the share kSplatOff is, and it has
+// kSplatFewestAround neighbours.
+const float kSplatOffPlane = 0.5f;
+const float kSplatOff = 0.3f;
+const uint kSplatFewestAround = 4;
 // In spacings, for a point without a normal, and so without a plane to search in: wide enough for most random
 // samplings.
 const float kSplatWithoutPlane = 1.3f;
