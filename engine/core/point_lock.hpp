@@ -1,11 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "engine/core/point_set.hpp"
 
 namespace palpate {
+
+/// Field of bytes, or property of a file, with the weights of the points' locks. Where there is one, the mask of locked
+/// points does not count. In a splat scene it is a column of the Gaussians, too.
+inline constexpr std::string_view kLockField = "lock";
 
 /// The points that brushes leave as they are, and those that they change less.
 struct PointLock {

@@ -6,9 +6,11 @@
 #include <memory>
 #include <vector>
 
+#include "engine/cloud/edited_gaussians.hpp"
 #include "engine/cloud/gaussian_columns.hpp"
 #include "engine/cloud/gaussian_records.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/point_lock.hpp"
 #include "engine/io/gaussian_cloud.hpp"
 #include "engine/io/gaussian_writer.hpp"
 #include "engine/io/ply_body.hpp"
@@ -159,6 +161,7 @@ StoredCloud readGaussians(const std::filesystem::path& path, Log* log, const Clo
   stored.lost = std::move(lost);  // Gaussians that are not felt are kept with the others
   stored.cloud.storedAs.baggage = std::move(records);
   stored.cloud.storedAs.comments = info.comments;
+  addPointBytes(stored.cloud, kLockField);
   return stored;
 }
 

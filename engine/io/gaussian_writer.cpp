@@ -89,10 +89,12 @@ void writeRecords(const std::filesystem::path& path, const GaussianRecords& reco
 
 std::vector<std::string> lacksOfGaussians(const PointCloud& cloud) {
   std::vector<std::string> lost;
-  if (gaussiansOf(cloud)) {
+  if (const GaussianRecords* const records = gaussiansOf(cloud)) {
     for (const Attribute& attribute : cloud.extra)
-      lost.push_back(fmt::format(
-          "'{}' of the felt surface (a splat file contains only splats; save a .las file to keep it)", attribute.name));
+      if (!records->find(attribute.name))
+        lost.push_back(
+            fmt::format("'{}' of the felt surface (a splat file contains only splats; save a .las file to keep it)",
+                        attribute.name));
     return lost;
   }
   if (cloud.origin != DVec3(0) || !cloud.exactPositions.empty())
