@@ -174,33 +174,32 @@ void EditRelay::noteLayer(StrokeLayerChange change, EditMark::Kind kind) {
 void EditRelay::slide(StrokeLayerChange change) {
   catchUp();
   const PointLock lock = attributes_.lock(cloud_, history_->points());
-  const std::span<const PointChange> changes = history_->slide(change, &lock);
-  if (changes.empty()) {
-    change.moves = StrokeLayerChange::Points::none;
+  const std::uint32_t number = change.number;
+  history_->slide(change, &lock, [&](const PointSet& points, const History::MadeChanges& changes) {
     noteLayer(change, EditMark::Kind::attribute);
-    history_->slideUnseen(std::move(change));
-    return catchUp();
-  }
-  noteLayer(change, EditMark::Kind::attribute);
-  try {
-    edits_->change(changes);
-  } catch (...) {
-    history_->cancelSlide();
-    changed_.clear();
-    throw;
-  }
-  history_->beginSlide(std::move(change));
-  endsInStroke_ = true;
+    try {
+      return endsInStroke_ = carryMany()(points, changes);
+    } catch (...) {
+      changed_.clear();
+      throw;
+    }
+  });
+  const StrokeLayers& layers = attributes_.strokeLayers();
+  if (!endsInStroke_)
+    noteLayer({.number = number, .set = layers[number], .open = layers.open()}, EditMark::Kind::attribute);
   catchUp();
 }
 
-// A stroke of a layer has its points one by one.
+// A stroke of a layer has the states of its points.
 void EditRelay::changePresence(const PointSet& points) {
   catchUp();
   if (attributes_.strokeLayers().open()) {
-    PointStates after = history_->points();
-    after.flip(points);
-    return setPoints(presenceChanges(points, after));
+    BareVector<PointState> states;
+    points.forEach([&](std::uint64_t point) {
+      states.push_back(history_->points()[point]);
+      states.back().gone = !states.back().gone;
+    });
+    return changeMany(std::move(states));
   }
   history_->changePresence(points, carryMany());
   endsInStroke_ = true;
@@ -209,12 +208,6 @@ void EditRelay::changePresence(const PointSet& points) {
 
 void EditRelay::changeMany(BareVector<PointState> states) {
   catchUp();
-  if (attributes_.strokeLayers().open()) {
-    std::vector<PointChange> changes;
-    changes.reserve(states.size());
-    for (const PointState& to : states) changes.push_back({.from = history_->points()[to.number], .to = to});
-    return setPoints(changes);
-  }
   history_->changeMany(std::move(states), carryMany());
   endsInStroke_ = true;
   catchUp();
@@ -296,9 +289,19 @@ UndoneStrokes EditRelay::undo(std::size_t undo, std::size_t redo) {
   if (!history_) return done;
   EditMark::Kind kind = EditMark::Kind::undone;
   const History::Carriers carriers = this->carriers(kind);
-  for (; done.undone < undo && history_->undo(carriers); ++done.undone) catchUp();
+  const auto next = [&] {
+    const HistoryChange* const change = history_->last();
+    return change ? std::optional(inWords(*change, history_->points(), attributes_)) : std::nullopt;
+  };
+  for (; done.undone < undo; ++done.undone, catchUp()) {
+    ChangeInWords last = next().value_or(ChangeInWords());
+    if (!history_->undo(carriers)) break;
+    done.last = std::move(last);
+  }
   kind = EditMark::Kind::redone;
-  for (; done.redone < redo && history_->redo(carriers); ++done.redone) catchUp();
+  for (; done.redone < redo && history_->redo(carriers); ++done.redone, catchUp())
+    done.last = next().value_or(ChangeInWords());
+  done.next = next();
   const StrokeCounts counts = history_->counts();
   done.strokes = counts.strokes;
   done.dropped = counts.dropped;

@@ -8,6 +8,7 @@
 #include "engine/core/edit_follower.hpp"
 #include "engine/core/edit_stream.hpp"
 #include "engine/core/shape_strokes.hpp"
+#include "engine/edit/change_words.hpp"
 #include "engine/edit/history.hpp"
 #include "engine/edit/layer_attributes.hpp"
 #include "haptics/servo_loop.hpp"
@@ -28,8 +29,10 @@ struct RelayOptions {
 struct UndoneStrokes {
   std::uint64_t strokes = 0;  ///< of the session
   std::size_t undone = 0, redone = 0;
-  std::uint64_t dropped = 0;   ///< that cannot be undone, because they exceeded the history's budget
-  std::uint64_t tooLarge = 0;  ///< of them, those larger than the whole budget
+  std::uint64_t dropped = 0;          ///< that cannot be undone, because they exceeded the history's budget
+  std::uint64_t tooLarge = 0;         ///< of them, those larger than the whole budget
+  ChangeInWords last;                 ///< that was undone or redone last
+  std::optional<ChangeInWords> next;  ///< that the next undo takes
 };
 
 /// Takes the edits of a back end and passes them on: between ticks in virtual time; against the clock on a thread of

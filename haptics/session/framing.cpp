@@ -20,6 +20,7 @@ Particles particlesOf(const Model& model) {
 
 Framing framingOf(const Model& model, UpAxis up) {
   Framing framing{.shown = model.shown, .up = up, .front = model.upright.frontFor(up)};
+  framing.fromAbove = model.upright.isInterior;
   if (!(model.spacing > 0)) framing.margin = kAroundLone;
   // The discs of many points are smaller than the picture's own margin.
   constexpr double kFew = 0.02, kWidest = 0.1;  // of the longest side: a spacing, and the radius of a disc
@@ -41,6 +42,7 @@ FrameOptions frameOptionsOf(const Model& model, UpAxis up, const ColorConfig& co
   options.colorMap = color.mapOf();
   options.splatRadius = discRadiusOf(model);
   options.gaussians = drawsGaussians(light.gaussians, model.cloud, picture.barePoints);
+  options.hidesBacks = light.hidesBacks.value_or(model.upright.isInterior);
   options.up = directionOf(up);
   options.shown = model.shown;
   LightFor shown = picture;

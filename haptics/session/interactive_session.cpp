@@ -267,8 +267,8 @@ std::uint32_t InteractiveSession::fieldNamed(std::string_view name, ScalarType t
 bool InteractiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
   if (failed_) return false;
   session_.require(Action::undo, "undo");
-  const UndoneStrokes strokes = session_.undo(undo, redo);
-  return strokes.undone + strokes.redone > 0;
+  undone_ = session_.undo(undo, redo);
+  return undone_.undone + undone_.redone > 0;
 }
 
 std::optional<bool> InteractiveSession::holdFrames() {

@@ -135,6 +135,8 @@ class InteractiveSession {
   /// False where there is nothing to undo, or to redo.
   bool undo() { return undoStrokes(1, 0); }
   bool redo() { return session_.strokes().redoCount > 0 && undoStrokes(0, 1); }
+  /// Result of the last undo() or redo().
+  const UndoneStrokes& undone() const { return undone_; }
 
   const History& history() const { return *session_.history(); }
   const LayerAttributes& attributes() const { return session_.scene().layers[0].attributes; }
@@ -206,6 +208,7 @@ class InteractiveSession {
   bool undoStrokes(std::size_t undo, std::size_t redo);
 
   Session session_;
+  UndoneStrokes undone_;
   InteractiveOptions options_;
   Bounds bounds_;
   double longestSide_;

@@ -25,6 +25,10 @@ constexpr Setting<LightConfig> kLight[]{
     {"eye_dome", words<&LightConfig::eyeDome, kSwitchChoices>(), "--eye-dome",
      "darken what lies behind what is beside it, without normals: on, off, or auto (on for bare points, off on "
      "software drivers, and where auto makes the material unlit)"},
+    {"backs", words<&LightConfig::hidesBacks, kBackChoices>(), "--backs",
+     "surfaces seen from their back: shown, hidden, or auto (hidden in a room that was scanned from inside, so that "
+     "one "
+     "looks into it through its walls and ceiling)"},
 };
 
 }  // namespace

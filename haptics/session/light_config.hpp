@@ -26,12 +26,15 @@ inline constexpr std::array<std::pair<std::string_view, std::optional<bool>>, 3>
     {{"auto", std::nullopt}, {"on", true}, {"off", false}}};
 inline constexpr std::array<std::pair<std::string_view, std::optional<bool>>, 3> kSplatChoices{
     {{"auto", std::nullopt}, {"gaussians", true}, {"surface", false}}};
+inline constexpr std::array<std::pair<std::string_view, std::optional<bool>>, 3> kBackChoices{
+    {{"auto", std::nullopt}, {"hidden", true}, {"shown", false}}};
 
 /// Empty: automatic (lightOf(), drawsGaussians()).
 struct LightConfig {
   std::optional<Material> material;
   std::optional<bool> occlusion, cavity, ground, eyeDome;
-  std::optional<bool> gaussians;  ///< of a file that has them; else its surface
+  std::optional<bool> gaussians;   ///< of a file that has them; else its surface
+  std::optional<bool> hidesBacks;  ///< what is seen from its back is not drawn
 
   bool operator==(const LightConfig&) const = default;
 };

@@ -57,10 +57,12 @@ namespace {
 
 /// Returns PreparedCloud::upright.
 std::optional<Upright> prepare(PointCloud& cloud, const ModelConfig& config, const ModelLoading& loading) {
-  const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, config.mm_per_unit), .up = {}, .threads = loading.threads};
+  const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, config.mm_per_unit),
+                            .up = {},
+                            .threads = loading.threads,
+                            .progress = [&](double share) { loading.log.progress("select and clean", share); }};
   PreparedCloud result = prepared(std::move(cloud), *config.prepare, fields, [&](const PreparedStep& step) {
     loading.log.say("{}: {} {}", config.file, flagOf(step.name), step.what);
-    loading.log.progress("select and clean", step.share);
     if (step.after == 0) throw Error("{}: {} {}; no point is left", config.file, flagOf(step.name), step.what);
   });
   loading.log.endProgress();
@@ -115,6 +117,8 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
     // One or two points define no plane: their discs face the default view.
     constexpr std::size_t kNoPlane = 2;
     if (cloud.size() <= kNoPlane) cloud.normals.assign(cloud.size(), Vec3(frontOf(model.upright.up)));
+    // Only normals show that a room was scanned from inside, and where its furniture stands.
+    if (Upright seen = findUp(cloud); seen.isInterior) model.upright = std::move(seen);
   } else if (config.normals == NormalSource::orient) {
     orientNormals(cloud, loading.threads);
   }

@@ -100,14 +100,11 @@ class EditsAgain {
     std::optional<StrokeLayerChange> ofLayer = std::exchange(ofLayer_, std::nullopt);
     const bool mayBeUndo = kind == EditMark::Kind::change && !states.empty() && !history_.inStroke();
     if (mayBeUndo && (history_.undo(isThat) || history_.redo(isThat))) return;
-    if (ofLayer && kind == EditMark::Kind::stroke) {
-      history_.slide(*ofLayer, nullptr);
-      history_.beginSlide(*ofLayer);
-    }
     std::vector<PointState> before;
     for (const PointState& state : states) before.push_back(history_.points()[state.number]);
     EditBatch batch{.points = {states.begin(), states.end()}, .marks = {{states.size(), kind}}};
     attributes_.follow(batch, history_.points());
+    if (ofLayer && kind == EditMark::Kind::stroke) return slide(*ofLayer, states);
     history_.follow(batch);
     if (ofLayer && kind == EditMark::Kind::change) followInLayer(*ofLayer, before);
   }
@@ -153,9 +150,12 @@ class EditsAgain {
     const StrokeLayers& layers = attributes_.strokeLayers();
     if (!layer || layer->number >= layers.size() || !layer->isPresent) return false;
     if (layers[layer->number].shown() == layer->set.shown()) return false;
-    history_.slide(*layer, nullptr);
-    history_.slideUnseen(*layer);
+    slide(*layer, {});
     return true;
+  }
+  void slide(StrokeLayerChange& layer, std::span<const PointState> states) {
+    history_.slide(
+        layer, nullptr, [](const PointSet&, const History::MadeChanges&) { return true; }, states);
   }
 
   // What is undone or redone is not kept: the layer follows nevertheless.

@@ -111,11 +111,16 @@ NormalEstimator estimateNormalsOn(std::function<Device&()> device) {
   };
 }
 
-DistanceMaker neighbourDistancesOn(std::function<Device&()> device) {
-  constexpr std::size_t kFewest = 1 << 20;
-  return [device = std::move(device)](const PointCloud& cloud, std::uint32_t neighbours, unsigned threads) {
-    return cloud.size() < kFewest ? std::nullopt : neighbourDistances(device(), cloud, neighbours, threads);
+Cleaners cleanersOn(const std::function<Device&()>& device) {
+  const auto isLarge = [](const PointCloud& cloud) { return cloud.size() >= Cleaners::kFewestOnGpu; };
+  const auto estimate = [=, onGpu = estimateNormalsOn(device)](PointCloud& cloud, unsigned threads,
+                                                               std::optional<UpAxis> up) {
+    return isLarge(cloud) ? onGpu(cloud, threads, up) : estimateNormalsOnCpu(cloud, threads, up);
   };
+  const auto distances = [=](const PointCloud& cloud, std::uint32_t neighbours, unsigned threads) {
+    return isLarge(cloud) ? neighbourDistances(device(), cloud, neighbours, threads) : std::nullopt;
+  };
+  return {estimate, distances};
 }
 
 }  // namespace palpate

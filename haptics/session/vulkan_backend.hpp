@@ -24,7 +24,14 @@ HashGrid gridFor(const Model& model, const IndexConfig& config, double radius);
 
 /// Estimates normals on that GPU; on the CPU if it is a software driver, which would take twice as long.
 NormalEstimator estimateNormalsOn(std::function<Device&()> device);
-/// Of so many points that opening the GPU, which happens at the first call, is worth it.
-DistanceMaker neighbourDistancesOn(std::function<Device&()> device);
+/// What cleans a cloud: on the CPU, or, of so many points that opening a GPU is worth it, on a GPU, with the same
+/// results but for the last digits of normals.
+struct Cleaners {
+  static constexpr std::size_t kFewestOnGpu = 1 << 20;
+  NormalEstimator estimate = estimateNormalsOnCpu;
+  DistanceMaker distances = nullptr;
+};
+/// `device` opens the GPU at the first use, on the thread that cleans, which alone uses it.
+Cleaners cleanersOn(const std::function<Device&()>& device);
 
 }  // namespace palpate
