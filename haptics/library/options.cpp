@@ -183,6 +183,7 @@ PictureRequest pictureFrom(const pp_picture_options& options) {
   request.light.ground = isOn(options.ground, "ground");
   request.light.eyeDome = isOn(options.eye_dome, "eye_dome");
   request.light.gaussians = chosen(kSplatChoices, options.splats, std::optional<bool>(), "splats");
+  request.light.hidesBacks = chosen(kBackChoices, options.backs, std::optional<bool>(), "backs");
   if (!(options.ortho_height >= 0 && std::isfinite(options.ortho_height)))
     throw UsageError("ortho_height: {} is not a length, model units", options.ortho_height);
   enum class Projection { perspective, orthographic, isometric };

@@ -48,6 +48,8 @@ typedef struct pp_picture_options {
   /** How a splat scene is drawn: "gaussians" as it was trained, "surface" as the points that are felt; null or "auto":
    * gaussians. Other colours than rgb are always of the points */
   const char* splats;
+  /** Surfaces seen from their back: "shown", "hidden"; null or "auto": hidden in a room that was scanned from inside */
+  const char* backs;
 } pp_picture_options;
 PP_OPTIONS(picture_options)
 /** Draws the present points into `rgba`: rows from the top, 4 bytes for each pixel; `bytes` is the size of the buffer.

@@ -148,11 +148,11 @@ PP_API pp_status pp_session_soften_lock(pp_session session, double radius_mm);
  * is. */
 PP_API pp_status pp_session_open_layer(pp_session session, const char* name);
 /** Gives the strokes of a layer another strength, from -1 to 2: with 0 the points are as before them, with 1 as after
- * them, both to the last bit, and between and beyond on a closed surface. If they have deep cuts or pulls, it ends at 0
- * and 1 (pp_session_layer() has the one that it got). Points that they cut away are gone from 0.5 on, points that they
- * inserted at 0. What other strokes have done since goes along. Locked points stay as they are, and points that are
- * locked in part go the rest of their way. `continues`: 1 adds to the slide before, as one change to be undone, while a
- * user drags; else 0. PP_ERROR_ARGUMENT also where there is no layer of that name. */
+ * them, both to the last bit, and between and beyond on a closed surface. Deep cuts or pulls have a smaller range,
+ * beyond which it is refused (PP_ERROR_FAILED, with the range). Points that they cut away are gone from 0.5 on, points
+ * that they inserted at 0. What other strokes have done since goes along. Locked points stay as they are, and points
+ * that are locked in part go the rest of their way. `continues`: 1 adds to the slide before, as one change to be
+ * undone, while a user drags; else 0. PP_ERROR_ARGUMENT where there is no layer of that name. */
 PP_API pp_status pp_session_slide_layer(pp_session session, const char* name, double strength, uint32_t continues);
 /** Hides a layer of strokes, as with strength 0, or shows it again at its strength. Errors as for
  * pp_session_slide_layer(). */
