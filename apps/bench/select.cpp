@@ -1,8 +1,11 @@
 // Cost of selecting and cleaning points.
+#include <numeric>
+
 #include "apps/bench/bench.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/contact/neighbour_distances.hpp"
 #include "engine/contact/normal_estimate.hpp"
+#include "engine/render/drawn_attributes.hpp"
 #include "engine/select/chosen_points.hpp"
 #include "engine/select/cleaning.hpp"
 #include "engine/select/expression.hpp"
@@ -62,6 +65,18 @@ std::vector<Operation> operationsOn(const Model& model, unsigned threads) {
        [=](const PointCloud& cloud) { return statisticalOutliers(cloud, 8, 1, threads).count(); }},
       {"radius outliers: 4 in 4 spacings",
        [=](const PointCloud& cloud) { return radiusOutliers(cloud, 4, 4 * spacing, threads).count(); }},
+      {"normals: 16 neighbours, not oriented",
+       [=](const PointCloud& cloud) {
+         constexpr unsigned kNeighbours = 16;
+         const Places places = distinctPlaces(cloud.positions, threads);
+         std::vector<std::uint32_t> all(places.positions.size());
+         std::iota(all.begin(), all.end(), 0u);
+         std::vector<FittedPlane> planes(all.size());
+         NeighbourGraph graph{.degree = kNeighbours, .neighbours = {}};
+         graph.neighbours.resize(kNeighbours * all.size());
+         fitNearestPlanes(places.positions, all, kNeighbours, planes, graph, threads);
+         return planes.size();
+       }},
       {"normals: 16 neighbours, oriented",
        [=](const PointCloud& cloud) {
          PointCloud bare;
@@ -99,7 +114,7 @@ struct Change {
   std::function<void(Session&)> run;
 };
 
-std::vector<Change> changesOf(const Model& model) {
+std::vector<Change> changesOf(const Model& model, Device* drawing) {
   PointSet half;
   const double middle = boundsOf(model.cloud).center().z;
   for (std::size_t i = 0; i < model.cloud.size(); ++i)
@@ -111,18 +126,38 @@ std::vector<Change> changesOf(const Model& model) {
   const auto change = [&](const PointsAction& action) {
     return [=](Session& session) { session.changePoints(half, action); };
   };
-  return {{"select half", mask(MaskRole::selected, half)},
-          {"select none", mask(MaskRole::selected, {})},
-          {"lock half", mask(MaskRole::locked, half)},
-          {"unlock", mask(MaskRole::locked, {})},
-          {"hide half", mask(MaskRole::hidden, half)},
-          {"show all", mask(MaskRole::hidden, {})},
-          {"remove half", change(RemovePoints())},
-          {"undo of that", undo},
-          {"paint half", change(PaintPoints{packedColor({255, 0, 0, 255})})},
-          {"undo of that", undo},
-          {"move half", change(MovePoints{.offset = {0, 0, 0.1 * model.spacing}})},
-          {"undo of that", undo}};
+  const auto slide = [](double strength) {
+    return [=](Session& session) { session.setStrokeLayer(0, {.name = "a", .strength = strength}, false, true); };
+  };
+  const auto move = change(MovePoints{.offset = {0, 0, 0.1 * model.spacing}});
+  const auto moveInLayer = [=](Session& session) {
+    session.setStrokeLayer(0, {.name = "a"}, true);
+    move(session);
+  };
+  std::vector<Change> changes{{"select half", mask(MaskRole::selected, half)},
+                              {"select none", mask(MaskRole::selected, {})},
+                              {"lock half", mask(MaskRole::locked, half)},
+                              {"unlock", mask(MaskRole::locked, {})},
+                              {"hide half", mask(MaskRole::hidden, half)},
+                              {"show all", mask(MaskRole::hidden, {})},
+                              {"remove half", change(RemovePoints())},
+                              {"undo of that", undo},
+                              {"paint half", change(PaintPoints{packedColor({255, 0, 0, 255})})},
+                              {"undo of that", undo},
+                              {"move half", move},
+                              {"undo of that", undo}};
+  constexpr std::size_t kMaxLayered = 4'000'000;  // the first slide of more takes minutes
+  if (model.cloud.size() <= kMaxLayered)
+    changes.insert(changes.end(), {{"move half in a layer of strokes", moveInLayer},
+                                   {"first slide of that layer", slide(0.9)},
+                                   {"further slide of that layer", slide(0.8)},
+                                   {"undo of that", [](Session& session) { session.undo(3, 0); }}});
+  if (!drawing) return changes;
+  const auto count = static_cast<std::uint32_t>(model.cloud.size());
+  changes.push_back(
+      {"colour by other numbers", [shown = std::make_shared<DrawnAttributes>(*drawing, count),
+                                   numbers = std::vector<float>(count)](Session&) { shown->show(numbers); }});
+  return changes;
 }
 
 /// Which ones are measured.
@@ -133,8 +168,8 @@ constexpr std::array<std::pair<std::string_view, Measured>, 3> kMeasured{
 // Each with a session's points, history and back end.
 void benchChanges(Context& context, const BenchOptions& options, const Subject& subject,
                   std::vector<SelectRecord>& records) {
-  const std::vector<Change> changes = changesOf(subject.model);
   for (const std::string& backend : options.backends) {
+    const std::vector<Change> changes = changesOf(subject.model, backend == "cpu" ? nullptr : &context.device());
     BenchBackend on = options.backend;
     on.backend = backend;
     Session session = startSession(context, subject.model, on,

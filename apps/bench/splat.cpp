@@ -21,6 +21,7 @@ struct SplatBenchOptions : WayOptions {
   std::uint32_t samples = 4;                 // samples per pixel
   std::vector<std::uint32_t> smooths_px{0};  // FrameOptions::smooth_px
   std::vector<std::string> shapes, conditions;
+  std::vector<std::string> lights;
   std::string truthFile;  // the mesh that the model was scanned from
   bool quick = false;
 };
@@ -32,7 +33,7 @@ struct FrameTimes {
 };
 
 struct SplatCost {
-  std::string subject, raster;
+  std::string subject, raster, light;
   std::size_t points = 0;
   FrameTimes times;
   Summary made_ms;                          ///< GPU time to build a mesh
@@ -60,14 +61,25 @@ struct SplatCondition {
 constexpr std::array<SplatCondition, 2> kSplatConditions{{{"clean", 1}, {"uneven", 10}}};
 constexpr std::array<std::string_view, 4> kShapes{"sphere", "torus", "bumpy-sphere", "cube"};
 
+constexpr std::array<std::string_view, 2> kLights{"plain", "full"};
+
+// As the window draws: with all light that a GPU draws by default, or with none of it.
+FrameOptions pictureOptions(const Model& model, std::string_view light) {
+  const bool full = light == "full";
+  return {.light = {.occlusion = full, .cavity = full, .ground = full}, .up = directionOf(model.upright.up)};
+}
+
 FrameTimes measureFrames(Device& device, Frame& frame, const PictureWay& way, const Camera& camera,
-                         const SplatBenchOptions& options) {
+                         const FrameOptions& picture, const SplatBenchOptions& options) {
   FrameTimes times;
   CommandList list(device, device.throughputQueue(), "frame", CommandList::Timing::passes);
-  list.begin();
-  way.record(frame, list, camera, {});
-  list.end();
-  device.throughputQueue().run(list);  // pipelines are created at their first use
+  // The first picture also creates pipelines and the map of the shadow on the ground, which later ones use.
+  for (int time = 0; time < 2; ++time) {
+    list.begin();
+    way.record(frame, list, camera, picture);
+    list.end();
+    device.throughputQueue().run(list);
+  }
   std::vector<std::string> names;
   std::map<std::string, std::vector<double>> passes;
   std::vector<double> gpu, wall;
@@ -107,13 +119,17 @@ std::vector<WorkgroupWatch::Life> livesOf(Device& device, const DrawnCloud& draw
 }
 
 SplatCost costOf(Context& context, const std::string& subject, const Model& model, const PictureWay& way,
-                 const Camera& camera, const UVec2& size, const SplatBenchOptions& options) {
+                 std::string_view light, const Camera& camera, const UVec2& size, const SplatBenchOptions& options) {
   Device& device = context.device();
   const std::uint64_t before = device.allocatedBytes();
   const std::uint32_t supersample = options.samples > 1 ? 2 : 1;
   Frame frame(device, size.x, size.y, supersample);
-  SplatCost cost{.subject = subject, .raster = way.name, .points = model.cloud.size(), .made_ms = way.made_ms};
-  cost.times = measureFrames(device, frame, way, camera, options);
+  SplatCost cost{.subject = subject,
+                 .raster = way.name,
+                 .light = std::string(light),
+                 .points = model.cloud.size(),
+                 .made_ms = way.made_ms};
+  cost.times = measureFrames(device, frame, way, camera, pictureOptions(model, light), options);
   cost.bytes = way.bytes + device.allocatedBytes() - before;
   if (way.name == "compute") cost.lives = livesOf(device, *way.discs, camera, size, supersample);
   return cost;
@@ -137,7 +153,7 @@ void judgeWays(Context& context, const std::string& shape, const std::string& co
   forEachWay(context, model, options, [&](const PictureWay& way) {
     std::optional<SplatCost> cost;
     if (!options.meshes.empty())
-      cost = costOf(context, shape, model, way, truth.camera, {truth.width, truth.height}, options);
+      cost = costOf(context, shape, model, way, kLights[0], truth.camera, {truth.width, truth.height}, options);
     for (const std::uint32_t smooth_px : options.smooths_px)
       results.push_back({.shape = shape,
                          .condition = condition,
@@ -197,6 +213,7 @@ using Value = std::optional<Json>;
 constexpr Reported<SplatCost> kSplatCosts[]{
     {"subject", "", "model", field<&SplatCost::subject>},
     {"raster", "", "rasteriser, or the mesh", field<&SplatCost::raster>},
+    {"light", "", "plain, or full: with occlusion, cavity and the shadow on the ground", field<&SplatCost::light>},
     {"points", "", "points of the model", field<&SplatCost::points>},
     {"passes_ms", "ms", "time on the GPU, by pass",
      [](const SplatCost& c) -> Value {
@@ -277,7 +294,8 @@ Json benchSplat(Context& context, const SplatBenchOptions& options) {
     const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y, 45,
                                           framingOf(subject.model, subject.model.upright.up));
     forEachWay(context, subject.model, options, [&](const PictureWay& way) {
-      costs.push_back(costOf(context, subject.name, subject.model, way, camera, size, options));
+      for (const std::string& light : options.lights)
+        costs.push_back(costOf(context, subject.name, subject.model, way, light, camera, size, options));
     });
     if (scan) judgeScan(context, subject, size, options, qualities);
   }
@@ -310,6 +328,9 @@ void addOptions(Options& bench, SplatBenchOptions& options) {
   for (const SplatCondition& condition : kSplatConditions) options.conditions.emplace_back(condition.name);
   addListOption(bench, "--shapes", options.shapes, "shapes to draw");
   addListOption(bench, "--conditions", options.conditions, "clean: exact clouds; uneven: ten times sparser at one end");
+  options.lights.assign(kLights.begin(), kLights.end());
+  addListOption(bench, "--light", options.lights,
+                "plain, or full: with occlusion, cavity and the shadow on the ground, as a GPU draws by default");
   bench.add("--truth", options.truthFile, "the mesh that the model was scanned from, in the same coordinates")
       .typeName("MESH.ply");
   bench.addFlag("--quick", options.quick, "only measure times");
