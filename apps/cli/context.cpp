@@ -89,6 +89,8 @@ Device& Context::device() {
   return *device_;
 }
 
+std::unique_ptr<Device> Context::deviceApart() const { return openProven({.gpu = gpu_, .validation = validation()}); }
+
 Json Context::proof(std::FILE* out) const { return gpuProof(out, gpu_, validation()); }
 
 bool Context::hasRealGpu() const {

@@ -32,6 +32,8 @@ class Context {
   /// Whether device() opens a real GPU, not a software driver. Opens nothing. False if there is no usable one; throws
   /// GpuError if one is requested by name.
   bool hasRealGpu() const;
+  /// The same GPU for a thread of its own, which can use it beside all others.
+  std::unique_ptr<Device> deviceApart() const;
   /// Another GPU, only for display, named by `gpu` (DeviceOptions), opened at its first use. The same one each time.
   Device& sightDevice(const std::string& gpu);
   /// Lets GPUs opened from now on show pictures in windows of a system that requires these instance extensions.

@@ -173,15 +173,21 @@ void stateUp(Log& log, const ConvertOptions& options, const CloudFormat& to, std
   setUp(comments, *valueNamed(kUpAxes, options.up));
 }
 
+// The Gaussians that the output will have; null: none.
+const GaussianRecords* keptGaussians(const ConvertOptions& options, const CloudFormat& to, const PointCloud& cloud) {
+  return !options.surface && keepsBaggage(to, cloud) ? gaussiansOf(cloud) : nullptr;
+}
+
 // Selects and cleans, as the options say, and sets the normals; returns the steps.
 Json prepare(Context& context, const ConvertOptions& options, const CloudFormat& to, StoredCloud& stored) {
   Json steps = Json::array();
   PointCloud& cloud = stored.cloud;
   const std::optional<UpAxis> up = valueNamed(kUpAxes, options.up);
+  const bool onGpu = cloud.size() >= Cleaners::kFewestOnGpu && context.hasRealGpu();
+  const Cleaners cleaners = onGpu ? cleanersOn([&]() -> Device& { return context.device(); }) : Cleaners();
   if (const std::optional<Preparation> preparation = options.prepare.given()) {
     Progress progress(context.log(), "select and clean");
     const auto report = [&](const PreparedStep& step) {
-      progress.set(step.share);
       const std::string flag = flagOf(step.name);
       context.log().say("{}: {} {}", options.input, flag, step.what);
       steps.push_back({{"step", flag}, {"points_before", step.before}, {"points", step.after}});
@@ -190,41 +196,33 @@ Json prepare(Context& context, const ConvertOptions& options, const CloudFormat&
     };
     const double given = options.scale.given();
     const double ofUnit = mmIn(valueNamed(kLengthUnits, options.unit).value_or(LengthUnit::unknown)).value_or(0);
-    const FieldOptions fields{
-        .mm_per_unit = mmPerUnit(cloud, given > 0 ? given : ofUnit), .up = up, .threads = context.threads()};
-    const auto distances =
-        context.hasRealGpu() ? neighbourDistancesOn([&]() -> Device& { return context.device(); }) : nullptr;
+    const FieldOptions fields{.mm_per_unit = mmPerUnit(cloud, given > 0 ? given : ofUnit),
+                              .up = up,
+                              .threads = context.threads(),
+                              .progress = [&](double share) { progress.set(share); }};
     const std::size_t before = cloud.size();
     const std::vector<std::string> said = cloud.storedAs.comments;
     if (preparation->fillHoles_mm > 0 && !stored.triangles.empty())
       throw ConfigError("prepare.fill_holes_mm",
                         "{} is written as triangles, whose holes are not closed; --samples N makes points of them",
                         options.output);
-    PreparedCloud prepared = palpate::prepared(std::move(cloud), *preparation, fields, report, distances);
+    const bool splatsAlone = keptGaussians(options, to, cloud) && options.normals == "keep";
+    PreparedCloud prepared = palpate::prepared(std::move(cloud), *preparation, fields, report, cleaners.distances,
+                                               splatsAlone ? SplatSurface::none : SplatSurface::made);
     cloud = std::move(prepared.cloud);
     if (prepared.upright && !to.hasComments && cloud.storedAs.comments != said)
       context.log().say("{}: {} cannot hold the up axis and the touch scale of the whole model", options.output,
                         to.name);
     if (prepared.numbers.size() < before) stored.triangles = chosenTriangles(stored.triangles, prepared.numbers);
   }
-  if (options.normals == "estimate") {
-    constexpr std::size_t kFewest = 1 << 20;  // points for which opening a GPU is worth it
-    const bool onGpu = cloud.size() >= kFewest && context.hasRealGpu();
-    const NormalEstimator estimate =
-        onGpu ? estimateNormalsOn([&]() -> Device& { return context.device(); }) : estimateNormalsOnCpu;
-    context.log().say("{}: normals estimated: {}", options.input, estimate(cloud, context.threads(), up));
-  }
+  if (options.normals == "estimate")
+    context.log().say("{}: normals estimated: {}", options.input, cleaners.estimate(cloud, context.threads(), up));
   const bool flips = options.normals == "flip";
   if ((flips || options.normals == "orient") && !cloud.hasNormals())
     throw Error("{}: has no normals to {}; use --normals estimate", options.input, options.normals);
   if (flips) flipNormals(cloud);
   if (options.normals == "orient") orientNormals(cloud, context.threads(), up);
   return steps;
-}
-
-// The Gaussians that the output will have; null: none.
-const GaussianRecords* keptGaussians(const ConvertOptions& options, const CloudFormat& to, const PointCloud& cloud) {
-  return !options.surface && keepsBaggage(to, cloud) ? gaussiansOf(cloud) : nullptr;
 }
 
 void requireContents(const ConvertOptions& options, const CloudFormat& to, const StoredCloud& stored) {
@@ -277,7 +275,7 @@ Json convertOne(Context& context, const ConvertOptions& options) {
               {"output", options.output},
               {"from", input.format},
               {"to", to.name},
-              {"points", stored.cloud.size()},
+              {"points", gaussians ? gaussians->size() : stored.cloud.size()},
               {"triangles", stored.triangles.size()},
               {"kept", kept},
               {"lost", lost}};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "engine/core/job_stop.hpp"
+
 namespace palpate {
 
 Progress::Progress(Log& log, std::string what) : log_(log), what_(std::move(what)) {
@@ -20,6 +22,8 @@ Progress::Progress(Log& log, std::string what) : log_(log), what_(std::move(what
 Progress::~Progress() {
   if (!thread_.joinable()) return;
   thread_ = {};
+  const JobStopScope whole(JobStopScope::whole());  // a bar at its end is no reason to stop
+  if (fraction_ >= 1) log_.progress(what_, 1);
   log_.endProgress();
 }
 

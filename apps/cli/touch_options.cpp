@@ -21,7 +21,7 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
   addMaskOptions(sub, options.masks);
   options.layer = sub.add("--layer-strength", options.layerStrength,
                           "strength of the strokes at the end, as of a layer in the window: with 0 the points are as "
-                          "before them, with 1 as they were made; of strokes with deep cuts or pulls from 0 to 1")
+                          "before them, with 1 as they were made; deep cuts or pulls have a smaller range")
                       .typeName("S")
                       .check(between(kMinLayerStrength, kMaxLayerStrength));
   addSetting(sub, options.undo, "undo").typeName("N");
