@@ -18,6 +18,7 @@
 #include "engine/select/prepared_cloud.hpp"
 #include "engine/select/small_holes.hpp"
 #include "haptics/session/settings.hpp"
+#include "haptics/session/vulkan_backend.hpp"
 
 namespace palpate {
 
@@ -51,9 +52,12 @@ struct CleanTask::Given {
   std::vector<std::uint64_t> numbers;  // of the present ones
   PointBits changeable;
   FieldOptions fields;
+  ViewSettings::ShownLength lengths;
+  Cleaners cleaners;
 };
 
-void CleanTask::begin(const WindowSession& session, const CleanModel& command, UpAxis up) {
+void CleanTask::begin(const WindowSession& session, const CleanModel& command, const ViewSettings& view,
+                      const Context& context) {
   if (isRunning()) throw Error("{} is still running; Esc cancels it", stage());
   session.session().require(Action::select, "clean");
   Given given{.command = command,
@@ -61,7 +65,20 @@ void CleanTask::begin(const WindowSession& session, const CleanModel& command, U
               .states = {session.history().points().begin(), session.history().points().end()},
               .numbers = {},
               .changeable = changeable(session),
-              .fields = {.mm_per_unit = session.model().scale.toMm(1), .up = up}};
+              .fields = {.mm_per_unit = session.model().scale.toMm(1),
+                         .up = view.upOf(session.model()),
+                         .threads = context.threads(),
+                         .progress = [this](double share) { share_ = share; }},
+              .lengths = view.shownLength(session),
+              .cleaners = {}};
+  if (given.present.size() >= Cleaners::kFewestOnGpu && context.hasRealGpu()) {
+    // One of its own: the session uses the queues of the other one.
+    const auto own = std::make_shared<std::unique_ptr<Device>>();
+    given.cleaners = cleanersOn([&context, own]() -> Device& {
+      if (!*own) *own = context.deviceApart();
+      return **own;
+    });
+  }
   for (const PointState& state : given.states)
     if (!state.gone) given.numbers.push_back(state.number);
   const PointSet locked = session.attributes().lock(session.model().cloud, given.states).points;
@@ -79,6 +96,7 @@ void CleanTask::begin(const WindowSession& session, const CleanModel& command, U
   session_ = &session;
   edits_ = session.edits();
   isStopped_ = false;
+  share_ = kUnknown;
   since_ = Stopwatch();
   running_ = std::async(std::launch::async, [this, given = std::move(given)] {
     const JobStopScope stops({.flag = &isStopped_, .mayCut = true});
@@ -104,8 +122,9 @@ CleanTask::Found CleanTask::find(const Given& given) {
 
 CleanTask::Found CleanTask::findNormals(const Given& given) {
   PointCloud cloud = given.present;
+  std::string how;
   if (given.command.normals == NormalSource::estimate)
-    estimateNormals(cloud, 16, given.fields.threads, given.fields.up);
+    how = ": " + given.cleaners.estimate(cloud, given.fields.threads, given.fields.up);
   if (given.command.normals == NormalSource::orient) orientNormals(cloud, given.fields.threads, given.fields.up);
   if (given.command.normals == NormalSource::flip) flipNormals(cloud);
   SetPoints set;
@@ -117,7 +136,7 @@ CleanTask::Found CleanTask::findNormals(const Given& given) {
   }
   std::string remark = set.states.empty()
                            ? "no normal changes"
-                           : counted(set.states.size(), "point has another normal", "points have other normals");
+                           : counted(set.states.size(), "point has another normal", "points have other normals") + how;
   if (!set.states.empty() && areNormalsEstimated(cloud))
     remark += "; they are not saved, since the file contains no normals";
   return {.superfluous = {}, .points = {}, .action = std::move(set), .done = {.remark = std::move(remark)}};
@@ -154,13 +173,13 @@ CleanTask::Found CleanTask::findHoles(const Given& given) {
   return {.superfluous = {},
           .points = {},
           .action = std::move(set),
-          .done = {.remark = inWords(filling, given.fields.mm_per_unit)}};
+          .done = {.remark = inWords(filling, given.lengths.perMm * given.fields.mm_per_unit, given.lengths.unit)}};
 }
 
 CleanTask::Found CleanTask::findSuperfluous(const Given& given) {
   PointCloud cloud = given.present;
   forgetGaussians(cloud);  // points are selected
-  const PreparedCloud left = prepared(std::move(cloud), given.command.step, given.fields);
+  const PreparedCloud left = prepared(std::move(cloud), given.command.step, given.fields, {}, given.cleaners.distances);
   PointBits superfluous(given.states.size());
   auto next = left.numbers.begin();
   for (std::uint32_t i = 0; i < given.numbers.size(); ++i)
@@ -168,7 +187,9 @@ CleanTask::Found CleanTask::findSuperfluous(const Given& given) {
       ++next;
     else
       superfluous.set(given.numbers[i]);
-  return {.superfluous = std::move(superfluous), .points = {}, .action = {}, .done = {}};
+  std::string share;
+  if (given.command.step.outlierNeighbours > 0) share = ", " + outlierShare(superfluous.count(), given.numbers.size());
+  return {.superfluous = std::move(superfluous), .points = {}, .action = {}, .done = {.remark = std::move(share)}};
 }
 
 std::optional<CleanTask::Done> CleanTask::follow(WindowSession& session) {
@@ -182,17 +203,18 @@ std::optional<CleanTask::Done> CleanTask::follow(WindowSession& session) {
   }
   if (session_ != &session || edits_ != session.edits())
     throw Error("{}: points have changed meanwhile; nothing was done", nameOf(command_));
-  found.done.remark = nameOf(command_) + ": " + found.done.remark;
+  const std::string remark = std::exchange(found.done.remark, nameOf(command_) + ": ");
   if (!found.superfluous) {
     session.changePoints(found.points, found.action);
+    found.done.remark += remark;
     return found.done;
   }
   const PointBits points = *found.superfluous & selectable(session);
   select(session, points, combineBy(command_.adds, command_.removes));
   found.done.remark += points.count() == 0
                            ? "no point is found"
-                           : fmt::format("{} found; Delete, while selecting (S), removes what is selected",
-                                         counted(points.count(), "point is", "points are"));
+                           : fmt::format("{} found{}; Delete, while selecting (S), removes what is selected",
+                                         counted(points.count(), "point is", "points are"), remark);
   return found.done;
 }
 

@@ -21,8 +21,9 @@ class CleanTask {
   CleanTask(const CleanTask&) = delete;
   CleanTask& operator=(const CleanTask&) = delete;
 
-  /// `up`: of the model as it is shown. Throws Error where another one is running, or the model refuses it.
-  void begin(const WindowSession& session, const CleanModel& command, UpAxis up);
+  /// `view`: how the model is shown. A large one is cleaned on the GPU of `context`, if that is a real one. Throws
+  /// Error where another one is running, or the model refuses it.
+  void begin(const WindowSession& session, const CleanModel& command, const ViewSettings& view, const Context& context);
   bool isRunning() const { return running_.valid(); }
   /// Ends it soon: follow() says so.
   void stop() { isStopped_ = true; }
@@ -30,6 +31,8 @@ class CleanTask {
   void cancel();
   /// What it does, and for how long.
   std::string stage() const;
+  /// Share that is done; empty: unknown.
+  std::optional<double> share() const { return share_ < 0 ? std::nullopt : std::optional(share_.load()); }
 
   struct Done {
     std::string remark;
@@ -55,6 +58,8 @@ class CleanTask {
 
   std::future<Found> running_;
   std::atomic<bool> isStopped_ = false;
+  static constexpr double kUnknown = -1;
+  std::atomic<double> share_ = kUnknown;
   CleanModel command_;
   Stopwatch since_;
   const WindowSession* session_ = nullptr;

@@ -57,7 +57,8 @@ void CommandRunner::carryOut(const ViewCommand& command) {
   if (const auto* layer = std::get_if<LayerCommand>(&command))
     if (const std::string remark = palpate::carryOut(*layer, *session); !remark.empty()) parts_.messages.say(remark);
   if (const auto* where = std::get_if<SelectWhere>(&command)) carryOut(*where);
-  if (const auto* clean = std::get_if<CleanModel>(&command)) clean_.begin(*session, *clean, up);
+  if (const auto* clean = std::get_if<CleanModel>(&command))
+    clean_.begin(*session, *clean, parts_.settings.view, parts_.context);
   if (const auto* range = std::get_if<SetColorRange>(&command)) carryOut(*range);
   if (const auto* view = std::get_if<NamedViewCommand>(&command)) carryOut(*view);
   if (const auto* measure = std::get_if<MeasureCommand>(&command)) carryOut(*measure);
@@ -176,7 +177,8 @@ void CommandRunner::savePicture() {
   if (!parts_.screen.isVisible()) return;
   parts_.screen.waitForLast();
   session.drawn().closeSurface();
-  Camera camera = parts_.viewpoint.camera();
+  const DVec2 size_px(parts_.screen.size_px()), free_px = parts_.panels.freeWidth_px(parts_.settings.view, size_px.x);
+  Camera camera = pictureCamera(parts_.viewpoint.camera(), session.history().points(), free_px.y - free_px.x, size_px);
   camera.setDepthRange(session.bounds(), session.longestSide());
   const std::string file = parts_.document.freeName("", "png");
   writeImage(file, parts_.shown.picture(session, camera, parts_.settings.view,

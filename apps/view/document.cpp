@@ -37,6 +37,16 @@ bool hasSemicolons(const std::string& file) {
 
 std::string nameOf(const std::string& file) { return std::filesystem::path(file).filename().string(); }
 
+// "Selection undone: 1204 points. Next, Ctrl+Z undoes: stroke, 312 points".
+std::string inWords(const UndoneStrokes& strokes, std::string_view how) {
+  const auto& [what, points] = strokes.last;
+  std::string words = fmt::format("{} {}{}{}", what, how, points.empty() ? "" : ": ", points);
+  words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
+  if (!strokes.next) return words + ". Nothing more can be undone";
+  const auto& next = *strokes.next;
+  return fmt::format("{}. Next, Ctrl+Z undoes: {}{}{}", words, next.what, next.points.empty() ? "" : ", ", next.points);
+}
+
 }  // namespace
 
 Document::Document(const DocumentParts& parts, WindowOptions options, bool asks)
@@ -376,11 +386,8 @@ void Document::answer(Answer answer) {
 void Document::carryOut(ModelCommand command) {
   if (isGivingWay()) return messages_.say(whyWaiting());
   if (!session_) return;
-  if (command == ModelCommand::undo && !session_->undo() && session_->isChanged())
-    messages_.say(session_->session().strokes().dropped > 0
-                      ? "nothing more can be undone: --undo-memory holds no further stroke"
-                      : "nothing more can be undone");
-  if (command == ModelCommand::redo) session_->redo();
+  if (command == ModelCommand::undo) undo();
+  if (command == ModelCommand::redo && session_->redo()) messages_.sayNow(inWords(session_->undone(), "redone"));
   if (command == ModelCommand::save) save();
   if (command == ModelCommand::exportTicks) writeTicks();
   if (command == ModelCommand::endRecording) session_->endRecording();
@@ -388,6 +395,13 @@ void Document::carryOut(ModelCommand command) {
   if (command == ModelCommand::restart) restart();
   if (command == ModelCommand::pause) pause();
   if (command == ModelCommand::step) step();
+}
+
+void Document::undo() {
+  if (session_->undo()) return messages_.sayNow(inWords(session_->undone(), "undone"));
+  messages_.sayNow(session_->session().strokes().dropped > 0
+                       ? "nothing more can be undone: --undo-memory holds no further stroke"
+                       : "nothing more can be undone");
 }
 
 void Document::record(const std::string& log) {

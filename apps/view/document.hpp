@@ -126,6 +126,7 @@ class Document {
   // For a camera: pauses or resumes its frames; a paused frame is sculpted once a brush is chosen.
   void pause();
   void step();
+  void undo();
   void restart();
   void sayWhatSimulationLacks();
   void sculptHeld();

@@ -55,7 +55,7 @@ class Gui {
   std::uint8_t* texture_ = nullptr;
   UVec2 texture_px_{0};
   std::uint64_t fontVersion_ = 0;
-  std::set<unsigned> letters_;  // beyond Latin
+  std::set<unsigned> letters_{U'\u2026'};  // beyond Latin
   std::vector<unsigned short> ranges_;
   bool lacksLetters_ = false, closesList_ = false;
   std::string clipboard_;

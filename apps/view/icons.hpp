@@ -52,6 +52,8 @@ inline constexpr std::string_view kReset = "M1 8 L8 2 L15 8 M3 7 L3 14 L13 14 L1
                                   kPicture = "M1 4 L5 4 L6 2 L10 2 L11 4 L15 4 L15 13 L1 13 Z O8 8.5 2.7",
                                   kAxisX = "M4 3 L12 13 M12 3 L4 13", kAxisY = "M4 3 L8 8 L12 3 M8 8 L8 13",
                                   kAxisZ = "M4 3 L12 3 L4 13 L12 13";
+inline constexpr std::string_view kShift = "M8 1 L15 9 L11 9 L11 14 L5 14 L5 9 L1 9 Z", kControl = "M2 10 L8 3 L14 10",
+                                  kUp = "M2 11 L8 5 L14 11", kDown = "M2 5 L8 11 L14 5";
 /// A mouse, and its left, middle and right button.
 inline constexpr std::string_view kMouse = "M4 6 L5 3 L8 2 L11 3 L12 6 L12 11 L11 14 L8 15 L5 14 L4 11 Z M4 7 L12 7";
 

@@ -28,16 +28,21 @@ Set chooses(SelectShape shape) {
 
 // A second press goes back to sculpting.
 Set switchesTo(WindowTool tool) {
-  return [tool](WindowSettings& settings) { settings.tool = settings.tool == tool ? WindowTool::sculpt : tool; };
+  return [tool](WindowSettings& settings) { settings.use(settings.tool == tool ? WindowTool::sculpt : tool); };
 }
 
 // 0: only feel.
 Set sculptsWith(std::size_t number) {
   return [number](WindowSettings& settings) {
-    settings.tool = WindowTool::sculpt;
+    settings.use(WindowTool::sculpt);
     settings.brush.sculpts = number > 0;
     if (number > 0) settings.brush.kind = kBrushes[number - 1].kind;
   };
+}
+
+void measuresInstead(WindowSettings& settings) {
+  settings.tool = WindowTool::look;
+  settings.view.measures = true;
 }
 
 // By one press of [ or ].
@@ -96,8 +101,21 @@ std::vector<KeyBinding> walking() {
                                        {GLFW_KEY_RIGHT, WalkDirection::right},
                                        {GLFW_KEY_PAGE_UP, WalkDirection::up},
                                        {GLFW_KEY_PAGE_DOWN, WalkDirection::down}})
-    bindings.push_back({key, kEither, kEither, {WalkCommand{direction, true}}, {WalkCommand{direction, false}}});
+    bindings.push_back({key,
+                        key == GLFW_KEY_PAGE_UP || key == GLFW_KEY_PAGE_DOWN ? std::optional(kWithout) : kEither,
+                        kEither,
+                        {WalkCommand{direction, true}},
+                        {WalkCommand{direction, false}}});
   return bindings;
+}
+
+// By most of the panel's height; a walk by the same key ends, too.
+std::vector<KeyBinding> scrolling() {
+  const auto scrolls = [](int down) {
+    return Set([down](WindowSettings& settings) { settings.view.scrolls += down; });
+  };
+  return {{GLFW_KEY_PAGE_UP, kWith, kEither, {scrolls(-1)}, {WalkCommand{WalkDirection::up, false}}},
+          {GLFW_KEY_PAGE_DOWN, kWith, kEither, {scrolls(1)}, {WalkCommand{WalkDirection::down, false}}}};
 }
 
 // To the next smaller gain of the hand, and from the smallest one to 1.
@@ -150,7 +168,11 @@ std::vector<KeyRow> make() {
       {select, "left drag", "selects; with Shift adds, with Ctrl removes, with both keeps what is in both"},
       {select, "right, middle drag", "rotate, move the view"},
       {all, "wheel", "zoom to the cursor"},
-      {all, "S", "select points, and back", {plain(GLFW_KEY_S, {switchesTo(WindowTool::select)})}},
+      {all,
+       "S;  Shift+S",
+       "select points, and back;  sculpt, with the brush as it is",
+       {{GLFW_KEY_S, kWithout, kWithout, {switchesTo(WindowTool::select)}},
+        {GLFW_KEY_S, kWithout, kWith, {Set([](WindowSettings& settings) { settings.use(WindowTool::sculpt); })}}}},
       {all,
        "V",
        "only look, so that nothing can be changed by the mouse, and back",
@@ -181,7 +203,8 @@ std::vector<KeyRow> make() {
        "select by a box;  by a ball;  by the side of a plane: click the model, drag the handles, then Enter",
        {{GLFW_KEY_W, kWithout, kWithout, {chooses(SelectShape::box)}},
         {GLFW_KEY_W, kWithout, kWith, {chooses(SelectShape::ball)}},
-        plain(GLFW_KEY_D, {chooses(SelectShape::plane)})}},
+        {GLFW_KEY_D, kWithout, kWithout, {chooses(SelectShape::plane)}}}},
+      {select, "Shift+D", "measure between two positions", {{GLFW_KEY_D, kWithout, kWith, {Set(measuresInstead)}}}},
       {select,
        "G",
        "move, rotate or scale the selected points by handles",
@@ -312,6 +335,7 @@ std::vector<KeyRow> make() {
               {SelectCommand::cancelOutline, closesHelp, WindowCommand::stopReading, WindowCommand::closeErrors})}},
       {all, fmt::format("F2 to F{}", kSections.size() + 1),
        fmt::format("open a section of the panel: {}", fmt::join(kSections, ", ")), sections()},
+      {all, "Ctrl+Page Up;  Ctrl+Page Down", "scroll the panel up;  down", scrolling()},
       {all,
        "Ctrl++;  Ctrl+-;  Ctrl+0",
        "larger text;  smaller text;  text as large as at first",

@@ -68,11 +68,8 @@ std::string carryOut(const LayerCommand& command, WindowSession& session) {
       isOpen = false;
   }
   const std::string name = set.name;
-  const double wanted = set.strength;
   const bool ends = layers.open() == number && !isOpen;
   session.setStrokeLayer(number, std::move(set), isOpen, command.what == What::slideFurther);
-  if (layers[number].strength != wanted && !isOpen)
-    return fmt::format("{} has deep cuts or pulls: its strength is from 0 to 1", name);
   if (command.what == What::merge) return fmt::format("{} is part of the model now", name);
   return ends ? fmt::format("strokes no longer go into {}", name) : "";
 }

@@ -14,6 +14,12 @@ void Messages::say(const std::string& text) {
   log_.say("{}", text);
 }
 
+void Messages::sayNow(const std::string& text) {
+  std::erase_if(remarks_, [](const Remark& remark) { return remark.isOfNow; });
+  say(text);
+  remarks_.back().isOfNow = true;
+}
+
 void Messages::sayError(const std::string& text) {
   constexpr std::size_t kMax = 3;
   last_ = text;
@@ -36,7 +42,7 @@ void Messages::tryTo(const std::function<void()>& act) {
 void Messages::add(const std::string& text) {
   last_ = text;
   std::erase_if(remarks_, [&](const Remark& remark) { return remark.text == text; });
-  remarks_.push_back({text, {}});
+  remarks_.push_back({text, {}, false});
 }
 
 void Messages::dropOld() {

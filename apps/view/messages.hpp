@@ -18,6 +18,8 @@ class Messages {
 
   /// Shows and logs a remark; the oldest one is dropped if there are too many.
   void say(const std::string& text);
+  /// The same, in place of the one that this showed before.
+  void sayNow(const std::string& text);
   /// Shows and logs an error; it stays until it is closed.
   void sayError(const std::string& text);
   /// Shows a remark that is already in the log; drops no other.
@@ -38,6 +40,7 @@ class Messages {
   struct Remark {
     std::string text;
     Stopwatch since;
+    bool isOfNow = false;
   };
   Log& log_;
   std::deque<Remark> remarks_;

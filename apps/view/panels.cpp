@@ -19,8 +19,6 @@ const Range& sliderOf(std::string_view name) {
   return settingNamed<Section>(name).slider;
 }
 
-constexpr float kRounding_px = 0.5f;
-
 }  // namespace
 
 bool Panels::noted(std::string_view name, bool result) {
@@ -50,8 +48,14 @@ std::optional<DVec2> Panels::placeOf(const std::string& name) const {
 }
 
 bool Panels::button(const char* name, float width) {
-  const bool isPressed = noted(name, ImGui::Button(name, {width, 0}));
-  noteText(name, name, ImGui::GetItemRectSize().x - 2 * ImGui::GetStyle().FramePadding.x);
+  const float padding = 2 * ImGui::GetStyle().FramePadding.x;
+  std::string shown(name, ImGui::FindRenderedTextEnd(name));
+  if (width > 0) shown = shortened(shown, width - padding);
+  ImGui::PushID(name);
+  const bool isPressed = noted(name, ImGui::Button(shown.c_str(), {width, 0}));
+  ImGui::PopID();
+  if (!std::string_view(name).starts_with(shown)) help(name);
+  noteText(name, shown.c_str(), ImGui::GetItemRectSize().x - padding);
   return isPressed;
 }
 
@@ -153,26 +157,12 @@ bool Panels::chooseWord(const char* label, std::span<const std::string_view> wor
   return chosen != before;
 }
 
-DVec2 Panels::freeWidth_px(const ViewSettings& view, double width_px) const {
-  const DVec2 all(0, width_px);
-  if (!view.panels) return all;
-  const DVec2 besidePanel(double{em(kTools_em)}, width_px - double{em(kPanel_em + 2 * kMargin_em)});
-  const DVec2 between = view.plots ? besidePanel - DVec2(0, double{em(kCurves_em + 2 * kMargin_em)}) : besidePanel;
-  // Where too little is left between panel and curves, the model is centred behind the curves, then behind the panel
-  // too.
-  for (const DVec2& free : {between, besidePanel})
-    if (free.y - free.x >= double{em(kModel_em)}) return free;
-  return all;
-}
-
-bool Panels::hasRoomBeside(double width_px) const {
-  return width_px >= double{em(kTools_em + kPanel_em + 2 * kMargin_em + kModel_em)};
-}
-
 ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   ViewSettings& view = settings.view;
   places_.clear();
   cut_.clear();
+  tools_.clear();
+  messagesShare_ = 0;
   noteLetters(status);
   if (status.others && status.others->counts)
     link_.add(*status.others->counts);
@@ -200,9 +190,9 @@ ViewCommands Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   if (status.legend) drawLegend(*status.legend);
   drawLabels(status.labels);
   if (view.panels && view.plots && status.session) drawPlots(status, view);
+  drawErrors(status);
   view.help ? drawHelp(settings) : drawMessages(status, settings);
   if (view.firstSteps) drawFirstSteps(view);
-  drawErrors(status);
   drawQuestions(status);
   drawFiles(status);
   return std::exchange(commands_, {});
@@ -215,6 +205,9 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, bottom_px_ - em(2 * kMargin_em)});
   ImGui::Begin("palpate", nullptr,
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar);
+  constexpr float kPage = 0.8f;  // of the panel's height
+  if (const int pages = std::exchange(settings.view.scrolls, 0); pages != 0)
+    ImGui::SetScrollY(ImGui::GetScrollY() + static_cast<float>(pages) * kPage * ImGui::GetWindowHeight());
   ImGui::PushItemWidth(em(9.2));
   ImGui::PushTextWrapPos(0);
   drawModel(status);
@@ -237,7 +230,8 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings) {
 
 void Panels::drawModel(const ViewStatus& status) {
   if (status.session) {
-    ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
+    const float room = ImGui::GetContentRegionAvail().x;
+    ImGui::TextUnformatted(shortened(std::filesystem::path(status.model).filename().string(), room).c_str());
     help(status.model);
     post(button("Turn"), WindowCommand::turnModel);
     help("U: by 90 degrees, clockwise; up is " + status.orientationWhy);
@@ -266,7 +260,8 @@ void Panels::drawModel(const ViewStatus& status) {
     for (const std::string& file : files) {
       ImGui::PushID(file.c_str());
       const std::string name = std::filesystem::path(file).filename().string();
-      post(noted(name, ImGui::Selectable(name.c_str(), file == status.model)), FileCommand{FileTask::open, file});
+      const std::string shown = shortened(name, ImGui::GetContentRegionAvail().x);
+      post(noted(name, ImGui::Selectable(shown.c_str(), file == status.model)), FileCommand{FileTask::open, file});
       help(file);
       ImGui::PopID();
     }
@@ -275,7 +270,8 @@ void Panels::drawModel(const ViewStatus& status) {
   if (!status.recent.empty()) ImGui::TextDisabled("recent");
   list(status.recent);
   for (const std::string& file : status.gone) {
-    ImGui::TextDisabled("%s is missing", std::filesystem::path(file).filename().string().c_str());
+    const std::string name = std::filesystem::path(file).filename().string();
+    ImGui::TextDisabled("%s", shortened(name + " is missing", ImGui::GetContentRegionAvail().x).c_str());
     help(file + " no longer exists");
   }
 }

@@ -25,6 +25,8 @@
 #include "engine/io/memory_need.hpp"
 #include "haptics/devices/haptic_device.hpp"
 
+struct ImVec2;
+
 namespace palpate {
 
 class DeviceCheckQuery;
@@ -112,7 +114,19 @@ class Panels {
   /// Called between Gui::begin() and Gui::end(). Changes the settings as the user sets them; returns other commands.
   ViewCommands draw(const ViewStatus& status, WindowSettings& settings);
 
-  /// Controls whose label or text had no room in the last frame, by name.
+  struct Tool {
+    const char* name;
+    std::string_view icon;
+    std::string key, text;
+    bool isOn;
+    std::function<void()> choose;
+  };
+  /// The column of tools in the last frame.
+  const std::vector<Tool>& tools() const { return tools_; }
+  /// Part of the area of the model that messages and errors covered in the last frame.
+  double messagesShare() const { return messagesShare_; }
+  /// Controls whose label or text had no room in the last frame, by name; those that end in an ellipsis have the whole
+  /// text in their tooltip, and are left out.
   const std::set<std::string>& cut() const { return cut_; }
 
   /// Position of the control of that name in the last frame, pixels; the last one if several have the name.
@@ -163,6 +177,10 @@ class Panels {
   // Sets the width of the next control, so that its label has room at its right; returns it.
   static float widthBesideLabel(const char* label);
   void noteText(std::string_view name, const char* text, float room);
+  // The text, or its beginning with an ellipsis where it has no room: in one line, or in lines of the width `wrap`.
+  std::string shortened(const std::string& text, float width) const;
+  std::string shortenedLines(const std::string& text, float wrap, float height) const;
+  static std::string shortenedTo(const std::string& text, const std::function<bool(const std::string&)>& fits);
   // Tooltip of the control drawn last, while it is pointed at: beside the panel, so that it does not cover the panel.
   void help(const std::string& text) const;
   void plot(const char* what, const std::vector<float>& curve, float least, float height,
@@ -173,16 +191,10 @@ class Panels {
 
   void noteLetters(const ViewStatus& status);
   void drawPanel(const ViewStatus& status, WindowSettings& settings);
-  struct Tool {
-    const char* name;
-    std::string_view icon;
-    std::string key, text;
-    bool isOn;
-    std::function<void()> choose;
-  };
   std::vector<Tool> toolsOf(const ViewStatus& status, WindowSettings& settings);
   void drawTools(const ViewStatus& status, WindowSettings& settings);
   void drawToolButton(const Tool& tool, const DVec2& size_px);
+  void drawKey(const Tool& tool, const ImVec2& end) const;
   void drawStatusLine(const ViewStatus& status);
   // A button on the same line as the last one if it fits there.
   bool flowing(const char* name, bool isFirst);
@@ -240,6 +252,11 @@ class Panels {
   void carryOut(const HelpEntry& entry, WindowSettings& settings);
   void drawMessages(const ViewStatus& status, const WindowSettings& settings);
   void drawErrors(const ViewStatus& status);
+  // Returns how many are shown.
+  std::size_t drawTexts(std::span<const std::string> texts, float wrap, float area_px2, float below = 0);
+  double modelArea_px2() const { return (free_px_.y - free_px_.x) * double{bottom_px_}; }
+  // Of the area of the model: all messages, errors, and the others, which lie over the lower part of the model.
+  static constexpr double kMaxCover = 1.0 / 3, kMaxErrors = 1.0 / 4, kMaxRemarks = 0.21;
   void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit);
   void drawDistance(const PictureLabel& label) const;
   void drawLabels(const std::vector<PictureLabel>& labels) const;
@@ -256,6 +273,7 @@ class Panels {
   void drawQuestions(const ViewStatus& status);
   static constexpr double kTools_em = 3, kPanel_em = 16.5, kCurves_em = 18, kStatus_em = 1.6;
   static constexpr double kMargin_em = 0.6, kEdge_em = 0.3;
+  static constexpr float kRounding_px = 0.5f;
   static constexpr double kMessages_em = 12;  ///< minimum width for messages beside the scale
   static constexpr double kModel_em = 6;      ///< minimum width for the model
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
@@ -286,7 +304,13 @@ class Panels {
   // and the legend, which are at the lower right of that range.
   DVec2 free_px_{0}, corner_px_{0};
   float bottom_px_ = 0;
+  double messagesShare_ = 0;
   std::string statusLine_;
+  std::vector<Tool> tools_;  // of this frame
+  std::string litTool_;      // the last one that was on in the last frame
+  // Of the column of tools, where it scrolls: by how much next, and how far it is and may be scrolled.
+  float scrollTools_ = 0;
+  std::array<float, 2> toolsAt_{};
   Thumbnails thumbnails_;
   std::map<std::string, DVec2> places_;
   std::set<std::string> cut_;

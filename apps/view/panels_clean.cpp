@@ -24,6 +24,13 @@ constexpr CleanRow kChanging[]{{"Fill holes", {"fill_holes_mm"}}, {"Level", {"le
 constexpr std::array<std::pair<const char*, NormalSource>, 3> kNormals{
     {{"Estimate", NormalSource::estimate}, {"Orient", NormalSource::orient}, {"Flip", NormalSource::flip}}};
 
+// Without what a help for the command line adds, such as that lengths are in mm.
+std::string shownHelp(std::string_view help) {
+  help = help.substr(0, help.find(';'));
+  if (help.ends_with(", mm")) help.remove_suffix(4);
+  return std::string(help);
+}
+
 }  // namespace
 
 void Panels::drawClean(const ViewStatus& status, CleanSettings& clean) {
@@ -41,8 +48,7 @@ void Panels::drawClean(const ViewStatus& status, CleanSettings& clean) {
       command.step.level = row.settings[0] == "level";
       post(true, command);
     }
-    const std::string_view does = settingNamed<Preparation>(row.settings[0]).help;
-    help(fmt::format("{}{}", does.substr(0, does.find(';')), effect));
+    help(shownHelp(settingNamed<Preparation>(row.settings[0]).help) + effect);
     const float indent = ImGui::GetStyle().WindowPadding.x + width + ImGui::GetStyle().ItemSpacing.x;
     for (std::size_t k = 0; k < row.settings.size() && !row.settings[k].empty(); ++k) {
       if (k > 0) ImGui::NewLine();
@@ -85,7 +91,7 @@ void Panels::drawCleanNumber(const ViewStatus& status, CleanSettings& clean, std
       choose(label.c_str(), kUpAxes, *clean.upright);
     }
     ImGui::PopItemWidth();
-    help(std::string(setting.help));
+    help(shownHelp(setting.help));
   });
 }
 

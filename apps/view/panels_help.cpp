@@ -10,6 +10,33 @@
 
 namespace palpate {
 
+std::string Panels::shortenedTo(const std::string& text, const std::function<bool(const std::string&)>& fits) {
+  if (fits(text)) return text;
+  constexpr ImWchar kEllipsis = 0x2026;
+  const char* const end = ImGui::GetFont()->FindGlyphNoFallback(kEllipsis) ? "\u2026" : "...";
+  const auto startsLetter = [&](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xc0U) != 0x80U; };
+  std::size_t low = 0, high = text.size();  // of bytes that fit, and that do not
+  while (low + 1 < high) {
+    const std::size_t middle = (low + high) / 2;
+    std::size_t cut = middle;
+    while (cut > 0 && !startsLetter(cut)) --cut;
+    (fits(text.substr(0, cut) + end) ? low : high) = middle;
+  }
+  while (low > 0 && !startsLetter(low)) --low;
+  return text.substr(0, low) + end;
+}
+
+std::string Panels::shortened(const std::string& text, float width) const {
+  return shortenedTo(
+      text, [&](const std::string& shown) { return ImGui::CalcTextSize(shown.c_str()).x <= width + kRounding_px; });
+}
+
+std::string Panels::shortenedLines(const std::string& text, float wrap, float height) const {
+  return shortenedTo(text, [&](const std::string& shown) {
+    return ImGui::CalcTextSize(shown.c_str(), nullptr, false, wrap).y <= height + kRounding_px;
+  });
+}
+
 void Panels::help(const std::string& text) const {
   if (!helps_ || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   const ImVec2 display = ImGui::GetIO().DisplaySize, padding = ImGui::GetStyle().WindowPadding;

@@ -42,21 +42,25 @@ void Panels::drawLayer(const StrokeLayers& layers, std::uint32_t number) {
   ImGui::SameLine();
   double strength = layer.strength;
   constexpr double kNone = 0, kAll = 1;
+  const float room = roomBeside("Merge");
+  const float textRoom = room - 2 * ImGui::GetStyle().FramePadding.x;
+  const std::string value = fmt::format("{:.2f}  ", strength);
+  const std::string shown = shortened(name, textRoom - ImGui::CalcTextSize(value.c_str()).x);
   std::string format = "%.2f  ";
-  for (const char letter : name) format += letter == '%' ? "%%" : std::string(1, letter);
-  ImGui::SetNextItemWidth(roomBeside("merge"));
+  for (const char letter : shown) format += letter == '%' ? "%%" : std::string(1, letter);
+  ImGui::SetNextItemWidth(room);
   const bool isChanged =
       ImGui::SliderScalar("##strength", ImGuiDataType_Double, &strength, &kNone, &kAll, format.c_str());
   if (ImGui::IsItemActivated()) slides_ = false;
   if (post(noted(name, isChanged), LayerCommand{slides_ ? What::slideFurther : What::slide, name, strength}))
     slides_ = true;
-  help(
-      "strength of the strokes: with 0 the points are as before them, with 1 as they were made; Ctrl+click: any number "
-      "from -1 (the other way) to 2, but only 0 to 1 if they have deep cuts or pulls. What they cut away is gone from "
-      "0.5 "
-      "on. What other strokes did since stays, and locked points stay as they are");
+  noteText(name, (value + shown).c_str(), textRoom);
+  help(name +
+       ": strength of the strokes: with 0 the points are as before them, with 1 as they were made; Ctrl+click: any "
+       "number from -1 (the other way) to 2, or less after deep cuts or pulls. What they cut away is gone from 0.5 on. "
+       "What other strokes did since stays, and locked points stay as they are");
   ImGui::SameLine();
-  post(noted("merge " + name, ImGui::SmallButton("merge")), LayerCommand{What::merge, name});
+  post(noted("merge " + name, ImGui::Button("Merge")), LayerCommand{What::merge, name});
   help(name + " becomes part of the model, as strong as it is");
   ImGui::PopID();
 }

@@ -40,15 +40,13 @@ std::string hintFor(const WindowSettings& settings) {
   }
 }
 
-// The number of newest errors that leave most of the picture free, at least one.
-std::size_t errorsThatFit(std::span<const std::string> errors, float wrap) {
-  constexpr float kShare = 0.25f;  // of the display's height
-  float height = 0;
+// The number of newest texts whose lines fit into that height, at least one.
+std::size_t countThatFits(std::span<const std::string> texts, float wrap, float height) {
   std::size_t count = 0;
-  while (count < errors.size()) {
-    height += ImGui::CalcTextSize(errors[errors.size() - 1 - count].c_str(), nullptr, false, wrap).y;
-    if (count > 0 && height > kShare * ImGui::GetIO().DisplaySize.y) break;
-    ++count;
+  for (float used = 0; count < texts.size(); ++count) {
+    used += ImGui::CalcTextSize(texts[texts.size() - 1 - count].c_str(), nullptr, false, wrap).y;
+    if (count > 0) used += ImGui::GetStyle().ItemSpacing.y;
+    if (count > 0 && used > height) break;
   }
   return count;
 }
@@ -106,11 +104,34 @@ void Panels::drawMessages(const ViewStatus& status, const WindowSettings& settin
   ImGui::Begin("messages", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
                    ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
-  const float inner = right - left - 2 * (em(kMargin_em) + ImGui::GetStyle().WindowPadding.x);
-  ImGui::PushTextWrapPos(std::max(em(8), std::min(inner, 0.7f * (end - left))));
-  for (const std::string& line : lines) ImGui::TextUnformatted(line.c_str());
-  ImGui::PopTextWrapPos();
+  const float padding = ImGui::GetStyle().WindowPadding.x;
+  const float room = right - left - 2 * (em(kMargin_em) + padding);
+  const float wrap = std::max(em(8), fitsBeside ? std::min(room, 0.7f * (end - left)) : room);
+  const double share = std::min(kMaxRemarks, kMaxCover - messagesShare_);
+  drawTexts(lines, wrap, static_cast<float>(share * modelArea_px2()));
   ImGui::End();
+}
+
+// The newest ones, in an area of that size with the padding of the window.
+std::size_t Panels::drawTexts(std::span<const std::string> texts, float wrap, float area_px2, float below) {
+  const ImVec2 padding = ImGui::GetStyle().WindowPadding;
+  const float height = std::max(ImGui::GetTextLineHeight(), area_px2 / (wrap + 2 * padding.x) - 2 * padding.y - below);
+  const std::size_t shown = countThatFits(texts, wrap, height);
+  ImGui::PushTextWrapPos(padding.x + wrap);
+  for (const std::string& text : texts.last(shown)) {
+    const std::string begin = shown > 1 ? text : shortenedLines(text, wrap, height);
+    ImGui::TextUnformatted(begin.c_str());
+    if (begin == text || !ImGui::IsMouseHoveringRect(ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), false)) continue;
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(em(24));
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+  }
+  ImGui::PopTextWrapPos();
+  const ImVec2 size = ImGui::GetWindowSize();
+  messagesShare_ += double{size.x} * double{size.y} / modelArea_px2();
+  return shown;
 }
 
 // White on red, in the area that no panel covers, until the user closes them.
@@ -125,15 +146,14 @@ void Panels::drawErrors(const ViewStatus& status) {
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
   const float wrap = std::clamp(0.8f * (right - left), em(6), em(32));
-  const std::size_t shown = errorsThatFit(status.errors, wrap);
-  ImGui::PushTextWrapPos(wrap);
-  for (std::size_t i = status.errors.size() - shown; i < status.errors.size(); ++i)
-    ImGui::TextUnformatted(status.errors[i].c_str());
-  ImGui::PopTextWrapPos();
+  const float buttons = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemSpacing.y;
+  const std::size_t shown = drawTexts(status.errors, wrap, static_cast<float>(kMaxErrors * modelArea_px2()), buttons);
   post(button("Close"), WindowCommand::closeErrors);
   ImGui::SameLine();
   const std::size_t earlier = status.errors.size() - shown;
-  ImGui::TextUnformatted(earlier == 0 ? "(Esc)" : fmt::format("(Esc), and {} before", earlier).c_str());
+  const std::string before = earlier == 0 ? "(Esc)" : fmt::format("(Esc), and {} before", earlier);
+  ImGui::TextUnformatted(
+      shortened(before, wrap - ImGui::GetItemRectSize().x - ImGui::GetStyle().ItemSpacing.x).c_str());
   ImGui::End();
   ImGui::PopStyleColor(3);
 }

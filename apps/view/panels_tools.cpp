@@ -2,6 +2,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "apps/view/icons.hpp"
@@ -36,16 +37,33 @@ constexpr std::array<std::pair<const char*, const char*>, kSelectShapes.size()> 
 
 }  // namespace
 
+DVec2 Panels::freeWidth_px(const ViewSettings& view, double width_px) const {
+  const DVec2 all(0, width_px);
+  if (!view.panels) return all;
+  const DVec2 besidePanel(double{em(kTools_em)}, width_px - double{em(kPanel_em + 2 * kMargin_em)});
+  const DVec2 between = view.plots ? besidePanel - DVec2(0, double{em(kCurves_em + 2 * kMargin_em)}) : besidePanel;
+  // Where too little is left between panel and curves, the model is centred behind the curves, then behind the panel
+  // too.
+  for (const DVec2& free : {between, besidePanel})
+    if (free.y - free.x >= double{em(kModel_em)}) return free;
+  return all;
+}
+
+bool Panels::hasRoomBeside(double width_px) const {
+  return width_px >= double{em(kTools_em + kPanel_em + 2 * kMargin_em + kModel_em)};
+}
+
 std::vector<Panels::Tool> Panels::toolsOf(const ViewStatus& status, WindowSettings& settings) {
-  const bool selects = settings.tool == WindowTool::select, looks = settings.tool == WindowTool::look;
-  const auto use = [&settings](WindowTool tool) { return [&settings, tool] { settings.tool = tool; }; };
+  const bool selects = settings.tool == WindowTool::select, looks = settings.tool == WindowTool::look,
+             measures = settings.view.measures;
+  const auto use = [&settings](WindowTool tool) { return [&settings, tool] { settings.use(tool); }; };
   std::vector<Tool> tools{
-      {"Sculpt", icon::kSculpt, "", "hold Space: the mouse is the stylus (1 to 8 choose what it does)",
-       !selects && !looks, use(WindowTool::sculpt)},
+      {"Sculpt", icon::kSculpt, "Shift+S", "hold Space: the mouse is the stylus (1 to 8 choose what it does)",
+       !selects && !looks && !measures, use(WindowTool::sculpt)},
       {"Select", icon::kSelect, "S", "the left button selects points", selects, use(WindowTool::select)},
-      {"Only look", icon::kLook, "V", "the mouse only moves the view", looks, use(WindowTool::look)},
-      {"Ruler", icon::kMeasure, selects ? "" : "D", "the left button picks the two ends of a distance",
-       settings.view.measures, [&settings, selects] {
+      {"Only look", icon::kLook, "V", "the mouse only moves the view", looks && !measures, use(WindowTool::look)},
+      {"Ruler", icon::kMeasure, selects ? "Shift+D" : "D", "the left button picks the two ends of a distance", measures,
+       [&settings, selects] {
          if (selects) settings.tool = WindowTool::look;
          settings.view.measures = !settings.view.measures;
        }}};
@@ -63,7 +81,7 @@ std::vector<Panels::Tool> Panels::toolsOf(const ViewStatus& status, WindowSettin
     tools.push_back({"Reset view", icon::kReset, "R", "shows the whole model", false, posts(WindowCommand::resetView)});
     for (const auto& [name, drawn, axis] :
          {std::tuple{"X", icon::kAxisX, 0}, {"Y", icon::kAxisY, 1}, {"Z", icon::kAxisZ, 2}})
-      tools.push_back({name, drawn, "", "looks along this axis (the key of this letter; with Shift from behind)", false,
+      tools.push_back({name, drawn, name, "looks along this axis (with Shift from behind)", false,
                        posts(LookAlong{axis, ImGui::GetIO().KeyShift})});
     tools.push_back({"Without perspective", icon::kOrthographic, "Ctrl+8", "lengths can be compared wherever they are",
                      settings.view.orthographic,
@@ -71,42 +89,75 @@ std::vector<Panels::Tool> Panels::toolsOf(const ViewStatus& status, WindowSettin
     tools.push_back({"Picture", icon::kPicture, "P", "writes a picture of the model, without panels, to a file", false,
                      posts(WindowCommand::screenshot)});
   } else {
-    tools.push_back({"feel", icon::kFeel, "1", "touches the surface and leaves it as it is", !settings.brush.sculpts,
-                     [&settings] { settings.brush.sculpts = false; }});
+    tools.push_back({"feel", icon::kFeel, "1", "touches the surface and leaves it as it is",
+                     !settings.brush.sculpts && !measures, [&settings] {
+                       settings.use(WindowTool::sculpt);
+                       settings.brush.sculpts = false;
+                     }});
     for (std::size_t k = 0; k < kBrushes.size(); ++k) {
       const BrushTraits& each = kBrushes[k];
-      tools.push_back({each.name.data(), icon::kOfBrushes[k], std::to_string(k + 2), whatItDoes(each),
-                       settings.brush.sculpts && status.brush.kind.value_or(settings.brush.kind) == each.kind,
-                       [&settings, kind = each.kind] {
-                         settings.brush.kind = kind;
-                         settings.brush.sculpts = true;
-                       }});
+      tools.push_back(
+          {each.name.data(), icon::kOfBrushes[k], std::to_string(k + 2), whatItDoes(each),
+           settings.brush.sculpts && !measures && status.brush.kind.value_or(settings.brush.kind) == each.kind,
+           [&settings, kind = each.kind] {
+             settings.use(WindowTool::sculpt);
+             settings.brush.kind = kind;
+             settings.brush.sculpts = true;
+           }});
     }
   }
   return tools;
 }
 
-// What the mouse does, and below the line the tools for that.
+// What the mouse does, and below the line the tools for that. Where they have no room together they scroll between two
+// arrows.
 void Panels::drawTools(const ViewStatus& status, WindowSettings& settings) {
-  constexpr std::size_t kModes = 4;
-  const std::vector<Tool> tools = toolsOf(status, settings);
+  tools_ = toolsOf(status, settings);
   const float gap = em(0.15), width = em(kTools_em - 2 * kEdge_em), room = bottom_px_ - 2 * em(kEdge_em);
-  const float line = em(0.5), rows = static_cast<float>(tools.size());
-  const float side = std::clamp((room - line - 2 * gap) / rows - gap, em(1.1), em(2.2));
+  const float line = em(0.5), rows = static_cast<float>(tools_.size());
+  const float fitting = (room - line - 2 * gap) / rows - gap;
+  const bool fits = fitting >= em(1.1);
+  const float side = fits ? std::min(fitting, em(2.2)) : em(1.7), arrow = em(1);
   ImGui::SetNextWindowPos({em(kEdge_em), em(kEdge_em)});
   ImGui::SetNextWindowSize({width, std::min(room, rows * (side + gap) + line + gap)});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {gap, gap});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, gap});
   ImGui::Begin("tools", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoNav);
-  for (std::size_t k = 0; k < tools.size(); ++k) {
-    if (k == kModes) {
-      const ImVec2 at = ImGui::GetCursorScreenPos();
-      ImGui::GetWindowDrawList()->AddLine({at.x + 2 * gap, at.y + 0.5f * line - gap},
-                                          {at.x + width - 4 * gap, at.y + 0.5f * line - gap}, ink(Tone::faint),
-                                          em(0.07));
-      ImGui::Dummy({1, line - gap});
+  const float column = std::floor(width - 2 * gap);
+  const DVec2 size_px(column, side), arrow_px(column, arrow);
+  const auto draw = [&] {
+    constexpr std::size_t kModes = 4;
+    std::string lit;
+    for (std::size_t k = 0; k < tools_.size(); ++k) {
+      if (k == kModes) {
+        const ImVec2 at = ImGui::GetCursorScreenPos();
+        ImGui::GetWindowDrawList()->AddLine({at.x + 2 * gap, at.y + 0.5f * line - gap},
+                                            {at.x + width - 4 * gap, at.y + 0.5f * line - gap}, ink(Tone::faint),
+                                            em(0.07));
+        ImGui::Dummy({1, line - gap});
+      }
+      drawToolButton(tools_[k], size_px);
+      if (tools_[k].isOn) lit = tools_[k].name;
+      if (tools_[k].isOn && lit != litTool_ && k >= kModes) ImGui::SetScrollHereY();
     }
-    drawToolButton(tools[k], {width - 2 * gap, side});
+    litTool_ = lit;
+  };
+  if (fits) {
+    draw();
+  } else {
+    const float page = room - 2 * (arrow + 2 * gap);
+    const auto scrolls = [&](const char* name, std::string_view icon, float by, bool isEnd) {
+      ImGui::BeginDisabled(isEnd);
+      drawToolButton({name, icon, {}, "by a click, or by the wheel", false, [&, by] { scrollTools_ = by; }}, arrow_px);
+      ImGui::EndDisabled();
+    };
+    scrolls("Tools above", icon::kUp, -0.8f * page, toolsAt_[0] <= 0);
+    ImGui::BeginChild("column", {column, page}, false, ImGuiWindowFlags_NoScrollbar);
+    draw();
+    if (scrollTools_ != 0) ImGui::SetScrollY(ImGui::GetScrollY() + std::exchange(scrollTools_, 0.0f));
+    toolsAt_ = {ImGui::GetScrollY(), ImGui::GetScrollMaxY()};
+    ImGui::EndChild();
+    scrolls("Tools below", icon::kDown, 0.8f * page, toolsAt_[0] >= toolsAt_[1]);
   }
   ImGui::End();
   ImGui::PopStyleVar(2);
@@ -120,13 +171,28 @@ void Panels::drawToolButton(const Tool& tool, const DVec2& size_px) {
   if (tool.isOn || ImGui::IsItemHovered())
     list.AddRectFilled(at, {at.x + width, at.y + height}, ink(tool.isOn ? Tone::chosen : Tone::buttonHovered),
                        em(0.25));
-  const float icon = std::min(height - em(0.2), em(1.5));
-  drawIcon(list, tool.icon, {at.x + em(0.1), at.y + 0.5f * (height - icon)}, icon, ink(Tone::text));
-  const ImVec2 key = ImGui::CalcTextSize(tool.key.c_str());
-  if (key.x < em(0.8))  // longer ones are in the tooltip
-    list.AddText({std::round(at.x + width - key.x - em(0.05)), std::round(at.y + height - key.y)},
-                 ink(tool.isOn ? Tone::mark : Tone::faint), tool.key.c_str());
+  const float side = std::min(height - em(0.2), em(1.35));
+  const float left = tool.key.empty() ? 0.5f * (width - side) : em(0.1);
+  drawIcon(list, tool.icon, {at.x + left, at.y + 0.5f * (height - side)}, side,
+           ImGui::GetColorU32(ImGui::ColorConvertU32ToFloat4(ink(Tone::text))));
+  drawKey(tool, {at.x + width - em(0.05), at.y + height});
   help(fmt::format("{}{}: {}", tool.name, tool.key.empty() ? "" : " (" + tool.key + ")", tool.text));
+}
+
+// The last letter of the key, with an arrow for Shift or a roof for Ctrl; `end`: the lower right corner.
+void Panels::drawKey(const Tool& tool, const ImVec2& end) const {
+  if (tool.key.empty()) return;
+  const std::string letter = tool.key.substr(tool.key.rfind('+') + 1);
+  const ImVec2 size = ImGui::CalcTextSize(letter.c_str());
+  const ImU32 color = ink(tool.isOn ? Tone::mark : Tone::faint);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const float x = std::round(end.x - size.x), y = std::round(end.y - size.y);
+  list.AddText({x, y}, color, letter.c_str());
+  const float side = em(0.62);
+  const std::string_view with = tool.key.starts_with("Shift+")  ? icon::kShift
+                                : tool.key.starts_with("Ctrl+") ? icon::kControl
+                                                                : std::string_view();
+  if (!with.empty()) drawIcon(list, with, {end.x - side, std::round(y - 0.75f * side)}, side, color);
 }
 
 // The position under the cursor at the left; what there is, and how fast it is, at the right.

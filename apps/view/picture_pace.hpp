@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 #include "engine/core/clock.hpp"
 
@@ -17,6 +18,10 @@ class PicturePace {
   void end(bool shown, bool modelDrawn);
   /// Events came: what they change may appear after some frames.
   void wake() { active_ = {}; }
+  /// A motion of the mouse is handled in this frame, that long after it happened.
+  void noteMouse(double age_s);
+  /// The GPU has finished the last frame.
+  void finish();
   /// How long to wait for events before the next frame. `lives`: something may move without an event.
   double wait_s(bool lives) const;
 
@@ -24,9 +29,18 @@ class PicturePace {
   double fps() const { return fps_; }             ///< smoothed
   double last_ms() const { return times_ms_.empty() ? 0 : double{times_ms_.back()}; }
   const std::deque<float>& times_ms() const { return times_ms_; }
+  /// From the oldest motion of the mouse that a picture of the model shows first, until it is finished: the last ones.
+  const std::deque<float>& mouseToPicture_ms() const { return mouseToPicture_ms_; }
 
  private:
-  std::deque<float> times_ms_;  // the last ones, for the curve
+  std::deque<float> times_ms_, mouseToPicture_ms_;  // the last ones, for the curve and the report
+  // Age of the oldest motion that a frame shows, and the time since its age was taken.
+  struct Motion {
+    double age_s = 0;
+    Stopwatch since;
+    double now_s() const { return age_s + since.elapsed_s(); }
+  };
+  std::optional<Motion> mouse_, drawnFor_;  // of this frame, of the model's picture in progress
   std::uint64_t count_ = 0;
   double fps_ = 0;
   Stopwatch sinceBegin_, active_;

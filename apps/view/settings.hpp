@@ -50,6 +50,7 @@ struct ViewSettings {
   bool panels = true, plots = false, help = false;
   bool firstSteps = false;      ///< show the first steps
   std::string_view opens = {};  ///< the section of the panel that is opened next; empty: none
+  int scrolls = 0;              ///< heights of the panel by which it is scrolled next, down
 
   UpAxis upOf(const Model& model) const { return up.value_or(model.upright.up); }
   DVec3 frontFor(const Model& model) const {
@@ -154,6 +155,12 @@ struct WindowSettings {
   BrushSettings brush;
   FeelSettings feel;
   bool forcesOn = true;
+
+  /// Chooses what the mouse does, in place of measuring.
+  void use(WindowTool chosen) {
+    tool = chosen;
+    view.measures = false;
+  }
 };
 
 }  // namespace palpate

@@ -9,7 +9,8 @@
 namespace palpate {
 
 Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOptions& options)
-    : window_(window),
+    : context_(context),
+      window_(window),
       settings_{.brush = options.brush, .feel = options.feel},
       messages_(context.log()),
       gui_(window),
@@ -45,7 +46,7 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
 }
 
 ViewerParts Viewer::parts(HeldDevice& held) {
-  return {window_, settings_, messages_, gui_, panels_, screen_, document_, shown_, viewpoint_, held};
+  return {context_, window_, settings_, messages_, gui_, panels_, screen_, document_, shown_, viewpoint_, held};
 }
 
 Viewer::~Viewer() { screen_.waitForLast(); }
@@ -65,9 +66,13 @@ void Viewer::run() {
 }
 
 void Viewer::step() {
+  // Events are taken once the last picture is finished, not before: the next one shows what came until then.
+  screen_.waitForLast();
+  pace_.finish();
   const std::vector<WindowEvent> events = window_.takeEvents(wait_s());
   if (!events.empty()) pace_.wake();
   for (const TimedEvent& timed : hands_.takeEvents(events, script_.clock_s())) {
+    if (std::holds_alternative<MouseEvent>(timed.event)) pace_.noteMouse(script_.clock_s() - timed.time_s);
     hands_.setNow(timed.time_s);
     handle(timed.event);
   }
@@ -149,7 +154,10 @@ void Viewer::act(const TimedAction& timed) {
   const ScriptAction& action = timed.action;
   hands_.setNow(timed.time_s);
   messages_.tryTo([&] {
-    if (const auto* event = std::get_if<WindowEvent>(&action)) handle(*event);
+    if (const auto* event = std::get_if<WindowEvent>(&action)) {
+      if (std::holds_alternative<MouseEvent>(*event)) pace_.noteMouse(script_.clock_s() - timed.time_s);
+      handle(*event);
+    }
     if (const auto* tap = std::get_if<TapAction>(&action)) hands_.events().add(tap->events, timed.time_s, timed.time_s);
     if (const auto* resize = std::get_if<ResizeAction>(&action)) window_.resize(resize->size_px);
     if (const auto* minimise = std::get_if<MinimiseAction>(&action)) window_.minimise(minimise->on);

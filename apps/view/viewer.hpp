@@ -64,6 +64,7 @@ class Viewer {
   double wait_s();
   void keepClear(double before_px, double now_px);
 
+  Context& context_;
   Window& window_;
   WindowSettings settings_;
   Messages messages_;

@@ -14,6 +14,7 @@ namespace palpate {
 
 /// Objects of the window that outlive its parts.
 struct ViewerParts {
+  Context& context;
   Window& window;
   WindowSettings& settings;
   Messages& messages;

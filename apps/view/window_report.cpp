@@ -56,7 +56,7 @@ ViewStatus WindowReport::status() {
     status.isStoppable = parts_.document.isStoppable();
   }
   if (commands_.cleaning().isRunning() && !status.loading) {
-    status.loading = ViewStatus::kUnknown;
+    status.loading = commands_.cleaning().share().value_or(ViewStatus::kUnknown);
     status.loadingWhat = commands_.cleaning().stage();
     status.isStoppable = true;
   }
@@ -167,16 +167,15 @@ void WindowReport::writeState(const std::string& file) {
       .whereError = commands_.whereError(),
       .messages = parts_.messages,
       .notices = notices(),
-      .statusLine = parts_.panels.statusLine(),
-      .cut = parts_.panels.cut(),
+      .panels = parts_.panels,
       .blocked = brushNotes_.blocked(),
       .camera = parts_.viewpoint.camera(),
       .size_px = parts_.screen.size_px(),
       .scale = parts_.gui.scale(),
       .stylus = hands_.pointing().isTouching(),
       .meshTriangles = parts_.shown.mesh().triangleCount(),
-      .fps = pace_.fps(),
-      .pictures = pace_.count(),
+      .pace = pace_,
+      .passes = parts_.shown.picture().passes(parts_.screen.list()),
       .picturesOfModel = parts_.shown.picture().made(),
       .camerasShown = parts_.shown.lines().cameras(),
       .measure = hands_.measure(),

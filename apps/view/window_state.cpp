@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "apps/cli/sharing_results.hpp"
 #include "apps/view/theme.hpp"
+#include "engine/core/statistics.hpp"
 
 namespace palpate {
 
@@ -19,6 +21,16 @@ std::string_view nameIn(const auto& names, auto value) {
 }
 
 std::string_view toolOf(const BrushSettings& brush) { return brush.sculpts ? traitsOf(brush.kind).name : "feel"; }
+
+Json toolsOf(const Panels& panels) {
+  Json all = Json::array();
+  for (const Panels::Tool& tool : panels.tools())
+    all.push_back({{"name", tool.name},
+                   {"key", tool.key},
+                   {"on", tool.isOn},
+                   {"in_view", panels.placeOf(tool.name).has_value()}});
+  return all;
+}
 
 constexpr Reported<PlaceInfo> kPicked[]{
     {"place", "model units", "picked position", [](const PlaceInfo& p) -> Value { return vectorJson(p.place); }},
@@ -112,6 +124,11 @@ constexpr Reported<HeldDevice> kDevice[]{
      }},
 };
 
+Json middleOf(const std::deque<float>& times_ms) {
+  const Summary all = summarize({times_ms.begin(), times_ms.end()});
+  return {{"n", all.count}, {"p50", all.p50}, {"p99", all.p99}};
+}
+
 constexpr Reported<WindowState> kWindow[]{
     {"model", "", "open model; null: none",
      [](const WindowState& w) -> Value { return w.session() ? Json(w.document.file()) : Json(nullptr); }},
@@ -189,8 +206,21 @@ constexpr Reported<WindowState> kWindow[]{
      }},
     {"stylus", "", "whether the mouse holds the stylus", field<&WindowState::stylus>},
     {"mesh_triangles", "", "triangles shown in place of the points", field<&WindowState::meshTriangles>},
-    {"fps", "1/s", "pictures per second", field<&WindowState::fps>},
-    {"pictures", "", "pictures so far", field<&WindowState::pictures>},
+    {"fps", "1/s", "pictures per second", [](const WindowState& w) -> Value { return w.pace.fps(); }},
+    {"picture_ms", "ms", "frames of the window in which the model was drawn, the last 300",
+     [](const WindowState& w) -> Value { return middleOf(w.pace.times_ms()); }},
+    {"mouse_to_picture_ms", "ms",
+     "from the oldest motion of the mouse that a picture of the model shows first, until it is finished; the last 300",
+     [](const WindowState& w) -> Value { return middleOf(w.pace.mouseToPicture_ms()); }},
+    {"passes_ms", "ms", "passes of the model's last picture on the GPU",
+     [](const WindowState& w) -> Value {
+       std::map<std::string, double> sums_ms;
+       for (const PassRecord& pass : w.passes) sums_ms[pass.name] += 1e-3 * pass.gpu_us;
+       Json passes = Json::object();
+       for (const auto& [name, sum_ms] : sums_ms) passes[name] = sum_ms;
+       return passes;
+     }},
+    {"pictures", "", "pictures so far", [](const WindowState& w) -> Value { return w.pace.count(); }},
     {"pictures_of_model", "", "of them, pictures for which the model was drawn again",
      field<&WindowState::picturesOfModel>},
     {"cameras_shown", "", "cameras drawn in the picture", field<&WindowState::camerasShown>},
@@ -247,9 +277,15 @@ constexpr Reported<WindowState> kWindow[]{
      [](const WindowState& w) -> Value { return w.blocked; }},
     {"errors", "", "shown errors", [](const WindowState& w) -> Value { return w.messages.errors(); }},
     {"status_line", "", "text of the status line; empty: it is not shown",
-     [](const WindowState& w) -> Value { return w.statusLine; }},
+     [](const WindowState& w) -> Value { return w.panels.statusLine(); }},
     {"cut_off", "", "names of the controls in the panels whose text has no room",
-     [](const WindowState& w) -> Value { return std::vector<std::string>(w.cut.begin(), w.cut.end()); }},
+     [](const WindowState& w) -> Value {
+       return std::vector<std::string>(w.panels.cut().begin(), w.panels.cut().end());
+     }},
+    {"tools", "", "the column of tools, each with name, key, on, and whether it is in view",
+     [](const WindowState& w) -> Value { return toolsOf(w.panels); }},
+    {"messages_share", "%", "part of the area of the model that messages and errors cover",
+     [](const WindowState& w) -> Value { return 100 * w.panels.messagesShare(); }},
     {"theme", "", "dark or light", [](const WindowState& w) -> Value { return nameOf(kThemes, w.view.dark); }},
     {"text_size", "%", "size of the panels and their text",
      [](const WindowState& w) -> Value { return w.view.text_percent; }},

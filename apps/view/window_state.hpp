@@ -2,17 +2,19 @@
 #pragma once
 
 #include <optional>
-#include <set>
 
 #include "apps/cli/results.hpp"
 #include "apps/view/brush_in_hand.hpp"
 #include "apps/view/document.hpp"
 #include "apps/view/held_device.hpp"
 #include "apps/view/messages.hpp"
+#include "apps/view/panels.hpp"
+#include "apps/view/picture_pace.hpp"
 #include "apps/view/place_info.hpp"
 #include "apps/view/selection.hpp"
 #include "apps/view/settings.hpp"
 #include "apps/view/volume_tool.hpp"
+#include "engine/gpu/command_list.hpp"
 #include "engine/render/camera.hpp"
 
 namespace palpate {
@@ -31,16 +33,15 @@ struct WindowState {
   const std::string& whereError;        ///< ViewStatus::whereError
   const Messages& messages;
   std::vector<std::string> notices;
-  const std::string& statusLine;
-  const std::set<std::string>& cut;  ///< Panels::cut()
-  const std::string& blocked;        ///< ViewStatus::blocked
+  const Panels& panels;
+  const std::string& blocked;  ///< ViewStatus::blocked
   const Camera& camera;
   UVec2 size_px{0};
   double scale = 1;     ///< Gui::scale()
   bool stylus = false;  ///< the mouse holds the stylus and touches
   std::uint64_t meshTriangles = 0;
-  double fps = 0;
-  std::uint64_t pictures = 0;  ///< frames of the window
+  const PicturePace& pace;
+  const std::vector<PassRecord>& passes;  ///< of the model's last picture
   std::uint64_t picturesOfModel = 0;
   std::size_t camerasShown = 0;
   const Measure& measure;
