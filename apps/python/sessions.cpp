@@ -170,8 +170,9 @@ void bindTouch(py::class_<PySession>& session) {
           "slide_layer(name, strength, continues=False)\n\n"
           "Gives the strokes of the layer of that name another strength, from -1 to 2: with 0 the points are as before "
           "them, with 1\n"
-          "as after them, to the last bit, and in between on a closed surface; with deep cuts or pulls from 0\n"
-          "to 1. What they cut away is gone from 0.5 on. What other strokes did since goes along, and locked points\n"
+          "as after them, to the last bit, and in between on a closed surface; deep cuts or pulls have a\n"
+          "smaller range, beyond which it raises Error. What they cut away is gone from 0.5 on. What other\n"
+          "strokes did since goes along, and locked points\n"
           "stay as they are. continues: adds to the slide before, as one change to be undone.")
       .def(
           "hide_layer",
@@ -356,7 +357,8 @@ void bindPictures(py::class_<PySession>& session) {
              const std::optional<Color>& background, std::uint32_t samples, const std::string& colorMap,
              const std::string& colorRange, const std::string& material, const std::string& occlusion,
              const std::string& cavity, const std::string& ground, const std::string& eyeDome,
-             const std::string& projection, double orthoHeight, bool transparent, const std::string& splats) {
+             const std::string& projection, double orthoHeight, bool transparent, const std::string& splats,
+             const std::string& backs) {
             pp_picture_options options = pp_default_picture_options();
             options.width = size.first;
             options.height = size.second;
@@ -374,6 +376,7 @@ void bindPictures(py::class_<PySession>& session) {
             options.ortho_height = orthoHeight;
             options.transparent = transparent ? 1 : 0;
             options.splats = splats.c_str();
+            options.backs = backs.c_str();
             vectorOr(eye, options.has_eye, options.eye);
             vectorOr(target, options.has_target, options.target);
             vectorOr(up, options.has_up, options.up);
@@ -387,11 +390,11 @@ void bindPictures(py::class_<PySession>& session) {
           py::arg("color_range") = "auto", py::arg("material") = "auto", py::arg("occlusion") = "auto",
           py::arg("cavity") = "auto", py::arg("ground") = "auto", py::arg("eye_dome") = "auto",
           py::arg("projection") = "perspective", py::arg("ortho_height") = 0.0, py::arg("transparent") = false,
-          py::arg("splats") = "auto",
+          py::arg("splats") = "auto", py::arg("backs") = "auto",
           "render(size=(1280, 720), eye=None, target=None, up=None, fov=45, color='rgb', background=None, "
           "samples=4, color_map='auto', color_range='auto', material='auto', occlusion='auto', cavity='auto', "
           "ground='auto', eye_dome='auto', projection='perspective', ortho_height=0, transparent=False, "
-          "splats='auto')\n\n"
+          "splats='auto', backs='auto')\n\n"
           "Draws the present points: uint8, height x width x 4, rows from the top. size: width, height,\n"
           "16384 at most. eye, target, up: model units; what is not given is chosen to fit the model. fov:\n"
           "vertical, degrees. color: rgb, material, normal, depth, height, or a field. background: three of\n"
@@ -405,7 +408,8 @@ void bindPictures(py::class_<PySession>& session) {
           "the right and above). ortho_height: of an orthographic picture, model units; 0: so that the model fills\n"
           "it. transparent: without a background; the fourth number of a pixel is its opacity.\n"
           "splats, of a splat scene: gaussians (as it was trained), surface (the points that are felt), or auto\n"
-          "(gaussians).")
+          "(gaussians). backs, of surfaces seen from there: shown, hidden, or auto (hidden in a room that was\n"
+          "scanned from inside).")
       .def(
           "mesh",
           [](PySession& self, std::uint32_t resolution, const std::string& surface, std::optional<double> radius_mm) {

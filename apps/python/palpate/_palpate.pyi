@@ -8,6 +8,7 @@ from typing_extensions import Unpack
 
 from ._types import (
     Backend,
+    Backs,
     BrushKind,
     BuiltinPath,
     ColorMap,
@@ -323,6 +324,7 @@ class _Session:
         ortho_height: float = ...,
         transparent: bool = ...,
         splats: Splats = ...,
+        backs: Backs = ...,
     ) -> NDArray[np.uint8]: ...
     def mesh(self, resolution: int = ..., surface: MeshSurface = ..., radius_mm: float | None = ...) -> Mesh: ...
     def add_frame(

@@ -14,6 +14,7 @@ Material = Literal["auto", "clay", "stone", "plaster", "metal", "unlit", "water"
 MeshSurface = Literal["sphere", "average", "sharp", "density"]
 Projection = Literal["perspective", "orthographic", "isometric"]
 Splats = Literal["auto", "gaussians", "surface"]
+Backs = Literal["auto", "hidden", "shown"]
 SurfaceKind = Literal["average", "sphere", "sharp"]
 Switch = Literal["auto", "on", "off"]
 ToolKind = Literal["point", "pad", "ball", "spatula"]
@@ -47,6 +48,7 @@ class SessionOptions(TypedDict, total=False):
 
 __all__ = [
     "Backend",
+    "Backs",
     "BrushKind",
     "BuiltinPath",
     "ColorMap",
