@@ -151,10 +151,13 @@ TEST_CASE("an open sheet faces up, a wall the front, and a room without a ceilin
   CHECK(reversed(vase, vase.normals, UpAxis::z) < 0.01);
 }
 
-TEST_CASE("a room that is scanned from inside faces out where it has a ceiling, as before") {
-  PointCloud room;
-  addBox(room, DVec3(0), DVec3(60, 50, 25), true, true, 1);
-  CHECK(reversed(room, room.normals) < 0.01);
+TEST_CASE("a room that is scanned from inside, with its ceiling, faces in if it has contents; an empty box faces out") {
+  PointCloud box, room;
+  addBox(box, DVec3(0), DVec3(60, 50, 25), true, true, 1);
+  CHECK(reversed(box, box.normals) < 0.01);
+  addBox(room, DVec3(0), DVec3(60, 50, 25), true, true, -1);
+  addBox(room, DVec3(20, 15, 0), DVec3(40, 30, 10), true, false, 1);
+  CHECK(reversed(room, room.normals) < 0.02);
 }
 
 TEST_CASE("sparse parts of a surface face the same side as its dense ones") {

@@ -162,9 +162,44 @@ TEST_CASE("a room scanned from one side stands on its floor") {
 TEST_CASE("a room scanned from within stands on the floor, from which its furniture rises") {
   for (const auto& [name, up] : kUpAxes) {
     CAPTURE(name);
-    const Upright found = findUp(turned(roomFromWithin(), up));
+    PointCloud room = turned(roomFromWithin(), up);
+    const Upright found = findUp(room);
     CAPTURE(found.why);
     CHECK(nameOf(found.up) == name);
+    CHECK(found.isInterior);
+    setUp(room.storedAs.comments, up);
+    CHECK(findUp(room).isInterior);
+    for (Vec3& normal : room.normals) normal = -normal;
+    CHECK_FALSE(findUp(room).isInterior);
+    for (const bool isEmptyRoom : {false, true}) {  // or a block of the same size
+      PointCloud box;
+      for (int i = 0; i < 10000; ++i)
+        for (int side = 0; side < 6; ++side) {
+          Vec3 p(0.02f * static_cast<float>(i % 100), 0.02f * static_cast<float>(i / 100), side % 2 ? 2.f : 0.f);
+          Vec3 outwards(0, 0, side % 2 ? 1 : -1);
+          for (int k = 0; k < side / 2; ++k)
+            p = Vec3(p.y, p.z, p.x), outwards = Vec3(outwards.y, outwards.z, outwards.x);
+          box.positions.push_back(p);
+          box.normals.push_back(isEmptyRoom ? -outwards : outwards);
+        }
+      setUp(box.storedAs.comments, up);
+      CHECK(findUp(box).isInterior == isEmptyRoom);
+    }
+    for (const bool isStreet : {false, true}) {  // a street between two walls, or a dam with the same sides
+      PointCloud street;
+      for (int i = 0; i < 20000; ++i) {
+        const float along = 0.01f * static_cast<float>(i % 1000), across = 0.1f * static_cast<float>(i / 1000);
+        street.positions.emplace_back(along, isStreet ? 0.f : 2.f, across);
+        street.normals.emplace_back(0.f, 1.f, 0.f);
+        for (const float side : {-1.f, 1.f}) {
+          street.positions.emplace_back(along, across, 1 + side);
+          street.normals.emplace_back(0.f, 0.f, isStreet ? -side : side);
+        }
+      }
+      PointCloud upright = turned(street, up);
+      setUp(upright.storedAs.comments, up);
+      CHECK(findUp(upright).isInterior == isStreet);
+    }
   }
 }
 

@@ -11,8 +11,10 @@
 #include "engine/cloud/attribute_bytes.hpp"
 #include "engine/edit/layer_attributes.hpp"
 #include "tests/edit/edited_history.hpp"
+#include "tests/error_of.hpp"
 #include "tests/history_steps.hpp"
 #include "tests/near.hpp"
+#include "tests/says.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate::stroke_layers_test {
@@ -48,16 +50,15 @@ struct Sculptor {
                              .open = layers().open(),
                              .moves = continues ? Points::slideContinued : Points::slide};
     change.set.strength = strength;
-    const std::span<const PointChange> changes = history.slide(change, &lock);
-    if (changes.empty()) return history.slideUnseen(std::move(change));
-    std::vector<PointState> states;
-    for (const PointChange& each : changes) {
-      CHECK(isSame(backend[each.to.number], each.from));
-      states.push_back(each.to);
-    }
-    history.beginSlide(std::move(change));
-    follow(states, EditMark::Kind::stroke);
-    set(states);
+    history.slide(change, &lock, [&](const PointSet& points, const History::MadeChanges& changes) {
+      const std::vector<PointChange> made = changes();
+      CHECK(made.size() == points.count());
+      for (const PointChange& each : made) {
+        CHECK(isSame(backend[each.to.number], each.from));
+        set({each.to});
+      }
+      return true;
+    });
   }
   bool undo(bool back = true) {
     const History::Carriers carriers{.points =
@@ -216,7 +217,7 @@ TEST_CASE("points that a layer removes return below half its strength, unless so
   CHECK(there() == "++--");
 }
 
-TEST_CASE("points that a layer inserts slide from their parents, and do not exist at strength 0") {
+TEST_CASE("points that a layer inserts slide from the surface before it, and do not exist at strength 0") {
   const PointCloud cloud = gridCloud();
   Sculptor sculptor(cloud);
   sculptor.open(0, "bump");
@@ -230,10 +231,12 @@ TEST_CASE("points that a layer inserts slide from their parents, and do not exis
   sculptor.close();
   for (const double strength : {0.5, 0.125, 2.0}) {
     sculptor.slide(0, strength);
-    const DVec3 parent(cloud.positions[65]);
-    CHECK(glm::distance(DVec3(sculptor[144].position),
-                        parent + strength * (DVec3(fresh.position) - parent) + DVec3(0, 0.2f, 0)) < 1e-5);
-    CHECK(glm::distance(DVec3(sculptor[145].position), parent + strength * (DVec3(second.position) - parent)) < 1e-5);
+    const DVec3 first(sculptor[144].position), next(sculptor[145].position), other(0, 0.2f, 0);
+    CHECK(first.z == within(strength * 0.9, 1e-5));
+    CHECK(next.z == within(strength * 0.7, 1e-5));
+    for (const DVec3& base :
+         {first - strength * (DVec3(fresh.position) + other), next - strength * DVec3(second.position)})
+      CHECK(glm::distance(base / (1 - strength), DVec3(cloud.positions[65])) < 1.5);
     CHECK_FALSE(sculptor[144].gone);
   }
   sculptor.slide(0, 0);
@@ -244,6 +247,51 @@ TEST_CASE("points that a layer inserts slide from their parents, and do not exis
   sculptor.slide(0, 1);
   CHECK(glm::distance(DVec3(sculptor[144].position), DVec3(5.4f, 5.6f, 0.9f)) < 1e-5);
   CHECK(isSameToTheBit(sculptor[145], second));
+}
+
+TEST_CASE("a strength at which the surface would turn over is refused with its reason, and is no entry") {
+  Sculptor sculptor(gridCloud());
+  sculptor.open(0, "wide");
+  std::vector<PointState> stroke;
+  for (std::uint64_t point = 0; point < 144; ++point) {
+    stroke.push_back(sculptor[point]);
+    stroke.back().position.x *= 4;
+  }
+  sculptor.stroke(stroke);
+  sculptor.close();
+  const std::string made = sculptor.state();
+  const StrokeCounts counts = sculptor.history.counts();
+  for (const double strength : {-0.5, -1.0})
+    CHECK(says(errorOf([&] { sculptor.slide(0, strength); }), "layer wide: its strength is from -0.25 to 2, since"));
+  CHECK(sculptor.state() == made);
+  CHECK(sculptor.history.counts().undoCount == counts.undoCount);
+  CHECK(sculptor.history.counts().strokes == counts.strokes);
+  sculptor.slide(0, 0.5);
+  sculptor.slide(0, 1);
+  CHECK(sculptor.state() == made);
+}
+
+TEST_CASE("points that do not exist at a strength go along with what strokes do to the surface there meanwhile") {
+  Sculptor sculptor(gridCloud());
+  sculptor.open(0, "bump");
+  const PointState fresh{.position = {5.5f, 5.5f, 0.8f}, .number = 144, .normal = {0, 0, 1}, .parent = 65};
+  std::vector<PointState> bump{fresh}, over;
+  for (const std::uint64_t point : {65, 66, 77, 78}) bump.push_back(moved(sculptor[point], {0, 0, 0.8f}));
+  sculptor.stroke(bump);
+  sculptor.close();
+  sculptor.slide(0, 0);
+  CHECK(sculptor[144].gone);
+  for (const PointState& state : copyOf(sculptor.history.points()))
+    if (!state.gone) over.push_back(moved(state, {0, 0, 0.5f}));
+  const std::uint64_t inserted = 145;  // by that stroke, in a place that the layer moves
+  over.push_back({.position = {5.5f, 5.0f, 0.5f}, .number = inserted, .normal = {0, 0, 1}, .parent = 65});
+  sculptor.stroke(over);
+  sculptor.slide(0, 1);
+  CHECK_FALSE(sculptor[144].gone);
+  CHECK(sculptor[144].position.z == within(1.3, 1e-5));
+  CHECK(sculptor[66].position.z == within(1.3, 1e-5));
+  CHECK(sculptor[inserted].position.z > 1.1);
+  CHECK(glm::length(sculptor[inserted].normal) == within(1, 1e-5));
 }
 
 TEST_CASE(
@@ -356,7 +404,12 @@ TEST_CASE("random strokes, slides and merges of several layers are undone and re
         sculptor.lock = {};
         if (random() % 2 == 0) sculptor.lock.points = PointSet::range(0, random() % 60);
         if (random() % 4 == 0) sculptor.lock.weights.assign(61, static_cast<std::uint8_t>(random()));
-        sculptor.slide(number, to.set.strength);
+        try {
+          sculptor.slide(number, to.set.strength);
+        } catch (const Error&) {  // the surface would turn over
+          REQUIRE(sculptor.state() == states[at]);
+          continue;
+        }
         ++slides;
       } else if (kind >= 5) {
         const bool back = kind < 7;

@@ -85,6 +85,8 @@ TEST_CASE("statistical outliers are those of a search through all pairs") {
 
 TEST_CASE("clouds without neighbours have no outliers, and many equal points take no longer") {
   CHECK(statisticalOutliers({}, 8, 1) == PointSet());
+  CHECK(outlierShare(5, 100) == "5.0 % of the points");
+  CHECK(outlierShare(139, 1000) == "13.9 % of the points; a larger sigma, such as 3, finds fewer");
   CHECK(statisticalOutliers(plate(1), 8, 1) == PointSet());
   CHECK(neighbourDistances(plate(1), 8) == std::vector<double>{0});
   PointCloud crowd;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <mutex>
 #include <numbers>
 
 #include "engine/cloud/analytic_shape.hpp"
@@ -313,6 +314,24 @@ TEST_CASE("steps are done in their order, and each says what it leaves") {
   CHECK(nothing.cloud.empty());
   CHECK(prepared(cloud, {}, {}).cloud.positions == cloud.positions);
   CHECK(prepared(cloud, {.seed = 3}, {}).steps.empty());
+}
+
+TEST_CASE("statistical outliers report their share, and their progress up to the end") {
+  PointCloud cloud = grid(80, 1);
+  for (int i = 0; i < 40; ++i) cloud.positions.emplace_back(2 * i, 40, 30 + i % 7);
+  std::mutex mutex;
+  std::vector<double> shares;
+  const FieldOptions options{.progress = [&](double share) {
+    const std::scoped_lock hold(mutex);
+    shares.push_back(share);
+  }};
+  const PreparedCloud few = prepared(cloud, {.outlierNeighbours = 8, .outlierSigma = 1}, options);
+  CHECK(few.steps[0].what == "keeps 6396 of 6440 points, and drops 0.7 % of the points");
+  REQUIRE(shares.size() >= 6440 / 1024);
+  CHECK(shares.front() < 0.5);
+  CHECK(shares.back() == 1);
+  const PreparedCloud many = prepared(cloud, {.outlierNeighbours = 8, .outlierSigma = 0}, {});
+  CHECK(many.steps[0].what.ends_with("% of the points; a larger sigma, such as 3, finds fewer"));
 }
 
 TEST_CASE("a part of a model keeps its up axis and its touch scale, and states them") {

@@ -128,7 +128,9 @@ TEST_CASE("a hole in a plane, a sphere and a cylinder is closed with even points
         const PointSet missing = inBall(truth.cloud, truth.middle, radius);
         PointCloud holed = without(truth.cloud, missing);
         addNoise(holed, noise);
-        const HoleFilling filling = fillHoles(holed, wide + 3);
+        // Of few points a hole has a width by chance.
+        const double chance = wide < 6 ? 1.5 : 0;
+        const HoleFilling filling = fillHoles(holed, wide + chance);
         CHECK(filling.closed == 1);
         CHECK(filling.left == 0);
         if (truth.name != "cylinder") CHECK(filling.wider == 0);
@@ -144,10 +146,10 @@ TEST_CASE("a hole in a plane, a sphere and a cylinder is closed with even points
         CHECK(judged.apart <= 1.3);
         CHECK(judged.left <= 1.1);
         // It is wider than that, so that it stays.
-        const HoleFilling open = fillHoles(holed, wide - 0.5);
+        const HoleFilling open = fillHoles(holed, 0.8 * wide - chance);
         CHECK(open.points.empty());
         CHECK(open.wider >= 1);  // a tube is open at its ends, too
-        CHECK(open.narrowest == within(wide + 1, 1.5));
+        CHECK(open.narrowest <= wide + chance);
         CHECK(fillHoles(holed, open.narrowest).closed == 1);
       }
 }

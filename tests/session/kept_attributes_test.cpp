@@ -5,11 +5,13 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/io/saving.hpp"
 #include "haptics/session/session_replay.hpp"
 #include "tests/content_of.hpp"
 #include "tests/says.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/attributed_person.hpp"
+#include "tests/splat_files.hpp"
 
 namespace palpate::kept_attributes_test {
 
@@ -40,6 +42,42 @@ TEST_CASE("a saved file has the fields with their types to the last digit, and a
   const std::string remark = person.save((folder / "saved.pts").string()).remark;
   CHECK(says(remark, "not kept: "));
   CHECK(says(remark, "number"));
+}
+
+TEST_CASE("the lock of a splat scene is saved with its Gaussians, in a column behind all others, and read again") {
+  const ScratchFolder folder;
+  const test::SplatFile scene = test::splatBall(2, 900, {.floaters = 0.02, .faint = 0.3});
+  std::ofstream(folder / "scene.ply", std::ios::binary) << scene.bytes();
+  const PointCloud cloud = readCloud(folder / "scene.ply").cloud;
+  CHECK(cloud.extra.empty());
+  Field lock{.values = {std::string(kLockField), ScalarType::u8, {}}, .unit = {}};
+  for (const Vec3& p : cloud.positions) lock.values.data.push_back(std::byte(p.x > 4 ? 255 : p.x > 0 ? 100 : 0));
+  const PointCloud locked = editedCloud(cloud, statesOf(cloud), {lock});
+  std::string lost;
+  saveKeeping(folder / "locked.ply", locked, {.notKept = &lost});
+  CHECK(lost == "");
+  // Each row is that of the scene, and one byte.
+  const std::string content = contentOf(folder / "locked.ply");
+  const std::size_t row = 4 * scene.names.size(), bytes = scene.rows.size() * (row + 1);
+  CHECK(says(content, fmt::format("property float {}\nproperty uchar lock\nend_header", scene.names.back())));
+  REQUIRE(content.size() > bytes);
+  std::size_t differing = 0, held = 0;
+  for (std::size_t i = 0; i < scene.rows.size(); ++i) {
+    const std::string read = content.substr(content.size() - bytes + i * (row + 1), row + 1);
+    differing += read.substr(0, row) != scene.rows[i];
+    held += static_cast<unsigned char>(read.back()) == 255;
+  }
+  CHECK(differing == 0);
+  CHECK(held > 50);
+  const PointCloud again = readCloud(folder / "locked.ply").cloud;
+  REQUIRE(again.extra.size() == 1);
+  CHECK(again.positions == cloud.positions);
+  std::size_t other = 0;  // points that no Gaussian follows, at the borders
+  for (std::size_t i = 0; i < cloud.size(); ++i) other += again.extra[0].data[i] != lock.values.data[i];
+  CHECK(other < cloud.size() / 50);
+  // Without a change they are the same bit by bit.
+  saveKeeping(folder / "again.ply", editedCloud(again, statesOf(again), {}));
+  CHECK((contentOf(folder / "again.ply") == content));
 }
 
 TEST_CASE("a session that continues with the points of another one has its masks and fields, and undoes them") {

@@ -58,6 +58,35 @@ TEST_CASE("what is requested is drawn on any driver") {
   }
 }
 
+TEST_CASE("a room whose file has no normals is recognised by estimated ones, and stands on its floor") {
+  Log log(true);
+  PointCloud room;  // 5 m x 4 m x 2.5 m, z up, with a chest in the middle
+  const auto isChest = [](double x, double y) { return x > 1.7 && x < 3.3 && y > 1.3 && y < 2.7; };
+  const auto addFace = [&](const Vec3& corner, const Vec3& along, const Vec3& across) {
+    const float length = glm::length(along), width = glm::length(across);
+    for (float u = 0; u < length; u += 0.05f)
+      for (float v = 0; v < width; v += 0.05f) {
+        const Vec3 p = corner + u / length * along + v / width * across;
+        if (p.z > 0 || !isChest(double{p.x}, double{p.y})) room.positions.push_back(p);
+      }
+  };
+  const auto addWalls = [&](const Vec3& low, const Vec3& size) {
+    const Vec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
+    addFace(low, x, z);
+    addFace(low + y, x, z);
+    addFace(low, y, z);
+    addFace(low + x, y, z);
+    addFace(low + z, x, y);
+  };
+  addFace({0, 0, 0}, {5, 0, 0}, {0, 4, 0});
+  addWalls({0, 0, 0}, {5, 4, 2.5f});
+  addWalls({1.7f, 1.3f, 0}, {1.6f, 1.4f, 0.6f});
+  CHECK_FALSE(findUp(room).isInterior);
+  const Model model = modelOf(room, {.file = "room"}, {.log = log});
+  CHECK(model.upright.isInterior);
+  CHECK(nameOf(model.upright.up) == "z");
+}
+
 TEST_CASE("a splat scene is drawn by its Gaussians unless its surface or bare points are chosen") {
   PointCloud cloud;
   CHECK_FALSE(drawsGaussians(std::nullopt, cloud));

@@ -235,6 +235,26 @@ TEST_CASE("points that are locked in part yield less, undo restores their locks,
   CHECK(scene.session.undo(0, 4).redone == 1);
 }
 
+TEST_CASE("undo and redo tell which change they took, and which one is next") {
+  Masked scene;
+  scene.stroke();
+  const std::size_t selected = scene.where(isRight).count();
+  scene.session.setMask(MaskRole::selected, scene.where(isRight));
+  const UndoneStrokes first = scene.session.undo(1, 0);
+  CHECK(first.last.what == "selection");
+  CHECK(first.last.points == fmt::format("{} points", selected));
+  REQUIRE(first.next);
+  CHECK(first.next->what == "stroke");
+  const UndoneStrokes second = scene.session.undo(1, 0);
+  CHECK(second.last.what == "stroke");
+  CHECK(second.last.points == first.next->points);
+  CHECK_FALSE(second.next);
+  const UndoneStrokes back = scene.session.undo(0, 2);
+  CHECK(back.last.what == "selection");
+  REQUIRE(back.next);
+  CHECK(back.next->what == "selection");
+}
+
 TEST_CASE("a file with the property lock is locked by it, also for new points") {
   const Masked source;
   Model model = source.model;

@@ -10,6 +10,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/edit/stroke_layers.hpp"
+#include "haptics/session/edit_relay.hpp"
 #include "haptics/session/session_replay.hpp"
 #include "tests/error_of.hpp"
 #include "tests/labels.hpp"
@@ -263,6 +264,58 @@ TEST_CASE("a layer of most points of a cloud slides step by step, as one entry" 
   CHECK(differences(scene.points(), after) == 0);
   CHECK(scene.session.undo(2, 0).undone == 2);
   CHECK(differences(scene.points(), after) == 0);
+}
+
+namespace {
+
+/// Counts how changes are given; it carries them out at once.
+struct CountedStream : EditStream {
+  void keep() override {}
+  void take(EditBatch& batch) override {
+    batch.points.insert(batch.points.end(), left.begin(), left.end());
+    if (!std::exchange(left, {}).empty()) batch.marks.push_back({batch.points.size(), EditMark::Kind::change});
+  }
+  EditProgress progress() const noexcept override { return {}; }
+  void change(std::span<const PointChange> changes) override {
+    ++single;
+    for (const PointChange& each : changes) left.push_back(each.to);
+  }
+  bool changeMany(const PointSet& points, std::span<const PointState> states) override {
+    ++many;
+    points.forEach([&](std::uint64_t point) { left.push_back(states[point]); });
+    return true;
+  }
+  bool offer(std::span<const PointChange>, std::uint64_t) override { return false; }
+  std::size_t mostOffered() const override { return 0; }
+
+  std::vector<PointState> left;
+  int single = 0, many = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a stroke of a layer that a command makes, its slides and their undo are given to the back end all at once") {
+  const Model model = sphereModel(4'000);
+  LayerAttributes attributes;
+  CountedStream stream;
+  EditRelay relay(model.cloud, attributes, &stream, nullptr, {.keepsPoints = true, .undo = {1 << 26}});
+  relay.change(StrokeLayerChange{.set = {"a"}, .open = 0});
+  const PointStates& points = relay.history()->points();
+  const std::vector<PointState> before(points.begin(), points.end());
+  BareVector<PointState> raised(before.begin(), before.begin() + 2'000);
+  for (PointState& state : raised) state.position *= 1.01f;
+  relay.changeMany(std::move(raised));
+  const std::vector<PointState> after(points.begin(), points.end());
+  for (const double strength : {0.5, 0.25, 0.0}) {
+    StrokeLayerChange slide{.set = {"a", strength}, .moves = StrokeLayerChange::Points::slideContinued};
+    relay.slide(std::move(slide));
+  }
+  CHECK(differences({points.begin(), points.end()}, before) == 0);
+  CHECK(relay.history()->counts().undoCount == 3);
+  CHECK(relay.undo(1, 0).undone == 1);
+  CHECK(differences({points.begin(), points.end()}, after) == 0);
+  CHECK(stream.many == 5);
+  CHECK(stream.single == 0);
 }
 
 TEST_CASE("layers are refused by name, and a refusal changes nothing") {

@@ -17,7 +17,9 @@
 #include "engine/edit/layer_attributes.hpp"
 #include "engine/edit/stroke_layers.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "tests/error_of.hpp"
 #include "tests/labels.hpp"
+#include "tests/says.hpp"
 #include "tests/scenes.hpp"
 #include "tests/shared_files.hpp"
 #include "tests/touch/back_end.hpp"
@@ -107,6 +109,9 @@ class Clay {
     found_ = quality(before_, {});
   }
 
+  static BrushOptions defaults(BrushKind kind) {
+    return {.kind = kind, .yieldDepth = 0.5, .pushRate = 0.1, .radius = 6, .strength = 0.5};
+  }
   static BrushOptions options(BrushKind kind) {
     const double rate = kind == BrushKind::inflate || kind == BrushKind::smooth ? 0.5 : 0.1;
     return {.kind = kind, .yieldDepth = 0.3, .pushRate = rate, .radius = 6, .strength = 1};
@@ -128,11 +133,12 @@ class Clay {
       for (int i = 0; i < ticks; ++i) ask(glm::mix(keys[k], keys[k + 1], static_cast<double>(i) / ticks));
     }
     for (int i = 0; i < 400; ++i) ask(keys.back());
-    take({});
+    take();
   }
-  void use(BrushKind brush) {
-    brush_ = brush;
-    touch_->setBrush(options(brush));
+  void use(BrushKind brush) { use(options(brush)); }
+  void use(const BrushOptions& brush) {
+    brush_ = brush.kind;
+    touch_->setBrush(brush);
   }
   void layer(bool isOpen) {
     StrokeLayerChange change{.set = {"a"}};
@@ -143,10 +149,12 @@ class Clay {
     StrokeLayerChange change{.set = attributes_.strokeLayers()[0], .moves = StrokeLayerChange::Points::slide};
     change.set.strength = strength;
     const PointLock lock;
-    const std::span<const PointChange> changes = history_.slide(change, &lock);
-    if (changes.empty()) return history_.slideUnseen(std::move(change));
-    touch_->edits()->change(changes);
-    take(std::move(change));
+    history_.slide(change, &lock, [&](const PointSet&, const History::MadeChanges& changes) {
+      touch_->edits()->change(changes());
+      EditBatch batch;
+      touch_->edits()->take(batch);
+      return true;
+    });
   }
   std::vector<PointState> states() const {
     const PointStates& states = history_.points();
@@ -209,11 +217,10 @@ class Clay {
             .second = static_cast<double>(second) / count};
   }
 
-  void take(std::optional<StrokeLayerChange> slide) {
+  void take() {
     touch_->finish();
     EditBatch batch;
     touch_->edits()->take(batch);
-    if (slide) history_.beginSlide(std::move(*slide));
     batch.marks.assign(1, {batch.points.size(), EditMark::Kind::stroke});
     history_.follow(batch);
   }
@@ -265,9 +272,10 @@ void checkClay(const Clay& clay, const Quality& made, double slack) {
   if (inFullTier()) MESSAGE(fmt::format("{:5.2f}: {}", clay.strength(), words(now)));
   CHECK(now.third < std::max(1.0, made.third) + 0.75 * slack);
   CHECK(now.most < std::max(1.3, made.most) + slack);
-  CHECK(now.holes < std::max(clay.found().holes, made.holes) + 0.025);
-  CHECK(now.flipped < std::max(clay.found().flipped, made.flipped) + 0.01);
-  CHECK(now.second < std::max(clay.found().second, made.second) + 0.015);
+  const double beyond = clay.strength() < 0 || clay.strength() > 1 ? 2 : 1;  // there a fiftieth may turn over
+  CHECK(now.holes < std::max(clay.found().holes, made.holes) + beyond * 0.025);
+  CHECK(now.flipped < std::max(clay.found().flipped, made.flipped) + beyond * 0.01);
+  CHECK(now.second < std::max(clay.found().second, made.second) + 0.02);
 }
 
 }  // namespace
@@ -288,9 +296,9 @@ TEST_CASE("a layer slid to any strength is a closed and evenly sampled surface, 
       const Quality made = clay.quality();
       if (inFullTier()) MESSAGE(fmt::format("{}, {}: {}", name, traitsOf(brush).name, words(made)));
       for (const double strength : {-1.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.5, 2.0}) {
-        clay.slide(strength);
-        if (brush == BrushKind::carve && name == "plane") CHECK(clay.strength() == std::clamp(strength, 0.0, 1.0));
-        if (brush == BrushKind::push && name == "plane") CHECK(clay.strength() == strength);
+        const std::string refused = errorOf([&] { clay.slide(strength); });
+        if (brush == BrushKind::push && name == "plane") CHECK(refused.empty());
+        if (!refused.empty()) CHECK(says(refused, "layer a: its strength is from "));
         checkClay(clay, made, 1);
       }
       clay.slide(0);
@@ -302,11 +310,42 @@ TEST_CASE("a layer slid to any strength is a closed and evenly sampled surface, 
       const Quality over = clay.quality();
       if (inFullTier()) MESSAGE("with strokes over it: ", words(over));
       for (const double strength : {-1.0, 0.0, 0.25, 0.5, 0.75, 1.5, 2.0}) {
-        clay.slide(strength);
+        errorOf([&] { clay.slide(strength); });
         checkClay(clay, over, 2.5);
       }
       clay.slide(1);
       CHECK(differences(clay.states(), later) == 0);
+    }
+  }
+}
+
+TEST_CASE("one stroke with default settings slides from -1 to 2 on a clean surface" * kMoreInFull) {
+  using Names = std::vector<std::string>;
+  for (const std::string& name : byTier(Names{"plane", "sphere"}, Names{"plane", "sphere", "bunny_34834.ply"})) {
+    if (name.ends_with(".ply") && sharedFile(name).empty()) continue;
+    for (const BrushKind brush : {BrushKind::push, BrushKind::carve, BrushKind::inflate, BrushKind::smooth}) {
+      CAPTURE(name);
+      CAPTURE(traitsOf(brush).name);
+      Clay clay(name, brush, 30'000);
+      clay.use(Clay::defaults(brush));
+      clay.layer(true);
+      clay.stroke(2.5);
+      const Quality made = clay.quality();
+      if (inFullTier()) MESSAGE(fmt::format("{}, {}: {}", name, traitsOf(brush).name, words(made)));
+      for (const double strength : {-1.0, 0.25, 0.5, 0.75, 2.0}) {
+        clay.slide(strength);
+        CHECK(clay.strength() == strength);
+        const Quality now = clay.quality();
+        CAPTURE(strength);
+        CAPTURE(words(now));
+        if (inFullTier()) MESSAGE(fmt::format("{:5.2f}: {}", strength, words(now)));
+        CHECK(now.third < std::max(1.0, made.third) + (strength < 0 || strength > 1 ? 0.4 : 0.1));
+        CHECK(now.holes < std::max(clay.found().holes, made.holes) + 0.004);
+        CHECK(now.flipped < std::max(clay.found().flipped, made.flipped) + 0.002);
+        CHECK(now.second < std::max(clay.found().second, made.second) + 0.002);
+      }
+      clay.slide(0);
+      CHECK(differences(clay.states(), clay.before()) == 0);
     }
   }
 }
