@@ -167,11 +167,18 @@ TEST_CASE("bench splat times every pass, and its pictures match the shapes" * kM
                      " --sizes 30000 --size 320x180 --repeat 5"));
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto splat = jsonOf(json)["splat"];
-  REQUIRE(splat["costs"].size() == 2);
+  REQUIRE(splat["costs"].size() == 4);  // rasterisers, plain and in full light
   const std::vector<std::string> passes[] = {{"render_splat_pick", "render_splat_depth", "render_shade"},
                                              {"render_hardware_depth", "render_hardware_sums", "render_shade"}};
   for (const std::size_t raster : {0, 1}) {
-    const auto cost = splat["costs"][raster];
+    const auto cost = splat["costs"][2 * raster], lit = splat["costs"][2 * raster + 1];
+    CHECK(cost["light"] == "plain");
+    CHECK(lit["light"] == "full");
+    for (const char* pass : {"render_occlusion", "render_cavity", "render_ground"}) {
+      CHECK_FALSE(cost["passes_ms"].contains(pass));
+      CHECK(lit["passes_ms"].contains(pass));
+    }
+    CHECK_FALSE(lit["passes_ms"].contains("render_ground_heights"));  // made once
     CHECK(cost["raster"] == (raster == 0 ? "compute" : "hardware"));
     CHECK(cost["points"] == points);
     CHECK(cost["gpu_ms"]["n"] == byTier(3, 5));
@@ -210,9 +217,9 @@ TEST_CASE("bench splat compares discs and marching cubes with the same truth, in
   const ScratchFolder folder;
   const std::string json = (folder / "w.json").string();
   const int repeat = byTier(2, 5);
-  const Outcome outcome = palpate(
-      fmt::format("bench splat --sizes 20000 --shapes sphere --size 320x180 --repeat {} --samples 1 --json {} {}",
-                  repeat, json, byTier("--conditions uneven --mesh 24", "--mesh 24,48")));
+  const Outcome outcome = palpate(fmt::format(
+      "bench splat --light plain --sizes 20000 --shapes sphere --size 320x180 --repeat {} --samples 1 --json {} {}",
+      repeat, json, byTier("--conditions uneven --mesh 24", "--mesh 24,48")));
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto splat = jsonOf(json)["splat"];
   std::vector<std::string> ways{"compute", "mesh 24"};

@@ -62,6 +62,11 @@ TEST_CASE("convert keeps a splat scene in PLY, crops its Gaussians, and says wha
     CHECK(rows.size() == expected);
     CHECK(std::ranges::all_of(rows, isIn));
   }
+  // The surface of the whole, not of the part, has its pose; only other formats need that of the part.
+  works(convert + splats.name("part.ply") + " --crop 0,-20,-20:20,20,20 --normals flip" + json);
+  CHECK(contentOf(splats.folder / "part.ply") == contentOf(splats.folder / "cut.ply"));
+  works(convert + splats.name("part.las") + " --crop 0,-20,-20:20,20,20" + json);
+  CHECK(jsonOf(splats.folder / "c.json")["points"] > 100);
   checkEnds(0, convert + splats.name("out.las"),
             {"not kept: ",
              "3900 Gaussians of degree 3, of which the points are the surface (opacity, scale, rotation, "

@@ -56,7 +56,7 @@ void checkCleaning(bool isOnGpu) {
 1.1 clean {"drop_duplicates": true}
 1.2 state %/duplicates.json
 1.3 key delete
-1.4 clean {"fill_holes_mm": 18}
+1.4 clean {"fill_holes_mm": 12}
 1.5 state %/filled.json
 1.6 save %/filled.ply
 2.0 clean normals flip
@@ -82,7 +82,7 @@ void checkCleaning(bool isOnGpu) {
   const int all = played->state("undone.json")["points"];
   CHECK(selectedIn(*played, "outliers.json") == kFar);
   CHECK(messageIn(*played, "outliers.json") ==
-        "outliers: 9 points are found; Delete, while selecting (S), removes what is selected");
+        "outliers: 9 points are found, 0.1 % of the points; Delete, while selecting (S), removes what is selected");
   CHECK(played->state("removed.json")["points"] == all - kFar);
   CHECK(selectedIn(*played, "duplicates.json") == kTwice);
   const int filled = played->state("filled.json")["points"];
@@ -141,7 +141,11 @@ TEST_CASE("the section Clean has the steps of the table, which its buttons do, a
   CHECK(selectedIn(*played, "outliers.json") >= kFar);
   CHECK(selectedIn(*played, "duplicates.json") == kTwice);
   CHECK(messageIn(*played, "filled.json") ==
-        "fill-holes: closes 0 holes with 0 new points; 1 hole is wider: 17.1 mm");  // none so narrow
+        "fill-holes: closes 0 holes with 0 new points; 1 hole is wider: 11.7 mm");  // none so narrow
+  // In the unit of the panel, where the file has none.
+  const auto bare = playWell("%/holed.ply --size 600x400 --rate 250", makeHoled,
+                             "0.1 clean {\"fill_holes_mm\": 1}\n0.4 state %/open.json\n0.5 quit\n");
+  CHECK(messageIn(*bare, "open.json").ends_with(" % of the model"));
   CHECK(says(messageIn(*played, "flipped.json"), "points have other normals"));
   const auto stopped = playWell("%/sphere.ply --size 600x400 --rate 250", sphereOf(150'000), R"(
 0.1 impatient

@@ -17,7 +17,7 @@ std::string allSections() {
     time_s += 0.2;
     step(fmt::format("state %/{}.json", states++));
   };
-  shown({"key f2", "click more", "layer new", "layer close"});
+  shown({"key f2", "click more", "layer new the left side of the chin, without the beard", "layer close"});
   shown({"key 8"});
   shown({"key s", "where z > (", "key ctrl+a", "value classification 2"});
   for (const char* const key :
@@ -50,9 +50,56 @@ TEST_CASE("no label, button or value of any section of the panel is cut off, in 
       CAPTURE(states);
       CHECK_MESSAGE(state["cut_off"].empty(), state["cut_off"].dump());
       CHECK_MESSAGE(state["errors"].empty(), state["errors"].dump());
+      CHECK(state["messages_share"].get<double>() < 100.0 / 3);
     }
     CHECK(states == 20);
   }
+}
+
+TEST_CASE("with large text every tool is reached by its key and by scrolling, and messages leave the model free") {
+  if (!hasDisplay()) return;
+  const auto played = playWell("%/sphere.ply --backend cpu --size 900x600 --text-size 200", sphereOf(1000), R"(
+0.05 key p
+0.1 key s
+0.3 state %/first.json
+0.4 key g
+0.6 state %/last.json
+0.7 click Tools above
+0.8 click Tools above
+1.0 state %/above.json
+1.1 click Tools below
+1.2 click Tools below
+1.4 state %/below.json
+1.5 screenshot %/below.png
+1.6 key f9
+1.8 key ctrl+pagedown
+2.0 key ctrl+pagedown
+2.2 where ((
+2.3 drop %/no_such_file_with_a_long_name_that_needs_many_lines_of_large_text_in_a_narrow_window.ply
+2.4 drop %/second_file_with_a_long_name_that_needs_many_lines_of_large_text_in_a_narrow_window.ply
+2.8 state %/errors.json
+3.0 quit
+)");
+  const auto inView = [&](const char* state, const char* name) {
+    for (const auto& tool : played->state(state)["tools"])
+      if (tool["name"] == name) return tool["in_view"].get<bool>();
+    return false;
+  };
+  CHECK(inView("first.json", "rectangle"));
+  CHECK_FALSE(inView("first.json", "move"));
+  CHECK(inView("last.json", "move"));  // chosen by its key
+  CHECK(inView("above.json", "Sculpt"));
+  CHECK_FALSE(inView("above.json", "move"));
+  CHECK(inView("below.json", "move"));
+  // The picture shows the model in its whole height, although the window has little room for it.
+  const Picture picture(played->folder.path() / "sphere-1.png");
+  int columns = 0;
+  for (int x = 0; x < picture.width; ++x) columns += picture.at(x, 300) != picture.at(2, 2) ? 1 : 0;
+  CHECK(columns > 450);
+  const Result errors = played->state("errors.json");
+  CHECK(errors["errors"].size() > 0);
+  CHECK(errors["messages_share"].get<double>() > 5);
+  CHECK(errors["messages_share"].get<double>() < 100.0 / 3);
 }
 
 }  // namespace palpate::view_fit_test

@@ -1,4 +1,6 @@
 // The tools at the left, the status line, themes, the size of text, the start screen and the help that searches.
+#include <set>
+
 #include "tests/apps/window_play.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
@@ -54,6 +56,73 @@ TEST_CASE("the icons choose what their keys choose, in any size of window and of
     CHECK(state("feel.json")["mouse"] == "sculpting");
     CHECK(state("feel.json")["tool"] == "feel");
   }
+}
+
+TEST_CASE("each tool of the column has a key of its own, which chooses it, and measuring lights the ruler alone") {
+  if (!hasDisplay()) return;
+  const auto played = playWell("%/sphere.ply --backend cpu --size 900x600", sphereOf(1000), R"(
+0.1 state %/sculpt.json
+0.2 key d
+0.4 state %/measure.json
+0.5 key 3
+0.7 state %/carve.json
+0.8 key s
+1.0 state %/select.json
+1.1 key shift+w
+1.3 state %/ball.json
+1.4 key shift+d
+1.6 state %/ruler.json
+1.7 key shift+s
+1.9 state %/back.json
+2.0 key v
+2.2 state %/look.json
+2.3 quit
+)");
+  const auto on = [&](const char* name) {
+    std::vector<std::string> lit;
+    for (const auto& tool : played->state(name)["tools"])
+      if (tool["on"]) lit.push_back(tool["name"]);
+    return lit;
+  };
+  using Names = std::vector<std::string>;
+  CHECK(on("sculpt.json") == Names{"Sculpt", "feel"});
+  CHECK(on("measure.json") == Names{"Ruler"});
+  CHECK(on("carve.json") == Names{"Sculpt", "carve"});
+  CHECK(on("select.json") == Names{"Select", "rectangle"});
+  CHECK(on("ball.json") == Names{"Select", "ball"});
+  CHECK(on("ruler.json") == Names{"Ruler"});
+  CHECK(on("back.json") == Names{"Sculpt", "carve"});
+  for (const char* const name : {"sculpt.json", "select.json", "look.json"}) {
+    CAPTURE(name);
+    std::set<std::string> keys;
+    const Result state = played->state(name);
+    for (const auto& tool : state["tools"]) {
+      CHECK(tool["key"] != "");
+      keys.insert(tool["key"]);
+    }
+    CHECK(keys.size() == state["tools"].size());
+  }
+}
+
+TEST_CASE("undo names what it has undone, and what is undone next") {
+  if (!hasDisplay()) return;
+  const auto played = playWell("%/sphere.ply --backend cpu --size 900x600", sphereOf(1000), R"(
+0.2 key s
+0.3 key ctrl+a
+0.6 value classification 2
+0.8 key ctrl+z
+1.0 state %/field.json
+1.1 key ctrl+z
+1.4 state %/selection.json
+1.5 key ctrl+shift+z
+1.7 state %/redone.json
+1.8 quit
+)");
+  const auto said = [&](const char* name) { return std::string(played->state(name)["last_message"]); };
+  CHECK(said("field.json") == "New field classification undone. Next, Ctrl+Z undoes: selection, 1000 points");
+  CHECK(said("selection.json") == "Selection undone: 1000 points. Nothing more can be undone");
+  CHECK(said("redone.json") == "Selection redone: 1000 points. Next, Ctrl+Z undoes: selection, 1000 points");
+  CHECK(played->state("selection.json")["messages"].dump().find("classification undone") == std::string::npos);
 }
 
 TEST_CASE("the status line has the position under the cursor and the counts of points") {

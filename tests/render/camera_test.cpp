@@ -108,6 +108,15 @@ TEST_CASE("flat models are viewed from higher up") {
   CHECK(elevation({1, 0, 1}) < 0.8);
 }
 
+TEST_CASE("one looks into a room from above") {
+  const auto elevation = [&](const Vec3& half, bool fromAbove) {
+    return -Camera::fitting(boxCloud(Vec3(0), half), 1.5, 45, {.fromAbove = fromAbove}).axes().forward.y;
+  };
+  CHECK(elevation(Vec3(1), false) < 0.3);
+  CHECK(elevation(Vec3(1), true) == near(0.5, 1e-6));
+  CHECK(elevation({1, 0, 1}, true) == elevation({1, 0, 1}, false));
+}
+
 TEST_CASE("points outside the shown box do not widen the view, and are drawn") {
   PointCloud cloud = boxCloud(Vec3(0), Vec3(1));
   const Bounds box = boundsOf(cloud);

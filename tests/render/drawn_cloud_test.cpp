@@ -388,7 +388,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture,
   CHECK(differing(placed(0.002f), measured) == 0);
   // The same in small steps: the total displacement counts.
   CHECK(differing(placed(0.003f), measured) == 0);
-  CHECK(differing(placed(0.005f), measured) > cloud.size() / 2);
+  CHECK(differing(placed(0.005f), measured) > cloud.size() / 10);  // the others have the usual size before and after
 }
 
 TEST_SUITE_END();

@@ -112,6 +112,11 @@ TEST_CASE_FIXTURE(MeshPictureFixture,
   const Picture inside = draw(sphereMesh(20), within, {.pass = ImagePass::normal}, 0.2);
   CHECK(inside.color.at(100, 100)[2] > 250);
   CHECK(std::ranges::none_of(inside.depth.depth, [](float depth) { return depth == 0; }));
+  // With hidden backs it is seen from outside as before, and not from inside.
+  CHECK(draw(sphereMesh(40), before, {.pass = ImagePass::normal, .hidesBacks = true}).depth.depth ==
+        outside.depth.depth);
+  CHECK(std::ranges::all_of(draw(sphereMesh(20), within, {.hidesBacks = true}, 0.2).depth.depth,
+                            [](float depth) { return depth == 0; }));
 }
 
 TEST_CASE_FIXTURE(MeshPictureFixture,

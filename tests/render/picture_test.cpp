@@ -159,6 +159,48 @@ TEST_CASE_FIXTURE(PictureFixture, "a surface is lit on the visible side") {
   }
 }
 
+TEST_CASE_FIXTURE(PictureFixture,
+                  "with hidden backs one looks through a ceiling onto the floor, and through the floor from below") {
+  PointCloud room;  // a red ceiling that faces down over a green floor that faces up
+  for (const float height : {1.0f, -1.0f})
+    for (int x = -20; x <= 20; ++x)
+      for (int z = -20; z <= 20; ++z) {
+        room.positions.emplace_back(0.05f * static_cast<float>(x), height, 0.05f * static_cast<float>(z));
+        room.normals.emplace_back(0.0f, -height, 0.0f);
+        room.colors.push_back(height > 0 ? std::array<std::uint8_t, 4>{200, 0, 0, 255}
+                                         : std::array<std::uint8_t, 4>{0, 200, 0, 255});
+      }
+  const auto isRed = [&](double eye, FrameOptions options) {
+    const Camera camera = Camera::parse(fmt::format("eye=0,{},0.1 target=0,0,0", eye), room, 1);
+    const auto middle = picture(room, camera, options, 64, 64).at(32, 32);
+    CHECK(std::max(middle[0], middle[1]) > 150);
+    return middle[0] > middle[1];
+  };
+  for (const Raster raster : {Raster::compute, Raster::hardware}) {
+    if (raster == Raster::hardware && !device.draws()) continue;
+    CHECK(isRed(6, {.pass = ImagePass::color, .splatRadius = 0.08, .raster = raster}));
+    CHECK_FALSE(isRed(6, {.pass = ImagePass::color, .splatRadius = 0.08, .raster = raster, .hidesBacks = true}));
+    CHECK_FALSE(isRed(-6, {.pass = ImagePass::color, .splatRadius = 0.08, .raster = raster}));
+    CHECK(isRed(-6, {.pass = ImagePass::color, .splatRadius = 0.08, .raster = raster, .hidesBacks = true}));
+  }
+}
+
+TEST_CASE_FIXTURE(PictureFixture, "the back of an open surface is lit as its inside, also if it is seen obliquely") {
+  for (const double facing : {-0.95, -0.6, -0.48}) {
+    CAPTURE(facing);
+    const DVec3 normal(std::sqrt(1 - facing * facing), 0, facing), along(-facing, 0, normal.x);
+    PointCloud plate;
+    for (int x = -20; x <= 20; ++x)
+      for (int y = -20; y <= 20; ++y) {
+        plate.positions.emplace_back(0.05 * x * along + DVec3(0, 0.05 * y, 0));
+        plate.normals.emplace_back(normal);
+      }
+    const Camera camera = Camera::parse("eye=0,0,100 target=0,0,0 fov=2", plate, 1);
+    const Image image = picture(plate, camera, {.pass = ImagePass::normal, .splatRadius = 0.08}, 64, 64);
+    CHECK(glm::dot(decodedNormal(image.at(32, 32)), -normal) > 0.99);
+  }
+}
+
 TEST_CASE_FIXTURE(PictureFixture, "the same cloud gives the same picture bit by bit every time") {
   const PointCloud cloud = sphereCloud();
   const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);

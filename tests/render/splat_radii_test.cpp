@@ -158,6 +158,26 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "a disc on a rim over an undercut side does
   CHECK(rim == 40);
 }
 
+TEST_CASE_FIXTURE(SplatRadiiFixture,
+                  "points that float have discs of a usual size, and a sparse surface has wide ones") {
+  PointCloud cloud;
+  const auto add = [&](const DVec3& position, const DVec3& normal) {
+    cloud.positions.emplace_back(position);
+    cloud.normals.emplace_back(glm::normalize(normal));
+  };
+  constexpr int kSparse = 144, kFloating = 400;
+  for (int k = 0; k < kSparse; ++k) add(DVec3(3 * (k % 12), 3 * (k / 12), 0), DVec3(0, 0, 1));
+  const auto unit = [](int k) { return 2 * randomUnit(7, static_cast<std::uint64_t>(k)) - 1; };
+  for (int k = 0; k < kFloating; ++k)
+    add(DVec3(100, 0, 0) + 11.0 * DVec3(unit(6 * k), unit(6 * k + 1), unit(6 * k + 2)),
+        DVec3(unit(6 * k + 3), unit(6 * k + 4), unit(6 * k + 5)));
+  const auto radii = radiiOf(cloud, 1);
+  const auto wide = [](float radius) { return radius > 1.5f; };
+  CHECK(std::count_if(radii.begin(), radii.begin() + kSparse, wide) == kSparse);
+  CHECK(std::count_if(radii.begin() + kSparse, radii.end(), wide) < kFloating / 8);
+  CHECK(wrong(cloud, 1) == 0);
+}
+
 TEST_CASE_FIXTURE(SplatRadiiFixture, "borders keep their positions") {
   PointCloud grid;
   for (int y = 0; y < 40; ++y)

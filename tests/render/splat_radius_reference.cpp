@@ -45,6 +45,21 @@ double radiusOf(const Closeness& closeness, double open, double alone) {
   return std::isfinite(least) ? static_cast<double>(shared::kSplatCover) / least : alone;
 }
 
+/// Whether the points nearer than `reach` are of a surface.
+bool isOfSurface(const PointCloud& cloud, std::size_t self, std::span<const std::uint32_t> others, double reach) {
+  const DVec3 normal(cloud.normals[self]);
+  double around = 0, off = 0;
+  for (const std::uint32_t other : others) {
+    const DVec3 d = DVec3(cloud.positions[other]) - DVec3(cloud.positions[self]);
+    const double distance = glm::length(d);
+    if (distance == 0 || distance > reach) continue;
+    if (glm::dot(DVec3(cloud.normals[other]), normal) <= static_cast<double>(shared::kSplatSameSheet)) continue;
+    ++around;
+    off += std::abs(glm::dot(d, normal)) > static_cast<double>(shared::kSplatOffPlane) * distance;
+  }
+  return around >= shared::kSplatFewestAround && off <= static_cast<double>(shared::kSplatOff) * around;
+}
+
 }  // namespace
 
 std::vector<RadiusRange> referenceSplatRadii(const PointCloud& cloud, double spacing, double widest) {
@@ -69,6 +84,18 @@ std::vector<RadiusRange> referenceSplatRadii(const PointCloud& cloud, double spa
         range.least = std::min(range.least, (1 - kTolerance) * radius);
         range.most = std::max(range.most, (1 + kTolerance) * radius);
       }
+    }
+    // The search ends somewhere between twice the border and twice the widest one.
+    const double alone = std::min(spacing, widest), cover = static_cast<double>(shared::kSplatCover);
+    if (range.most > static_cast<double>(shared::kSplatLone) * spacing) {
+      bool all = range.least > static_cast<double>(shared::kSplatLone) * spacing, any = false;
+      for (int step = 0; step <= 20; ++step) {
+        const bool isWide = isOfSurface(cloud, i, found, glm::mix(2 * range.least / cover, 2 * widest, 0.05 * step));
+        all &= !isWide;
+        any |= !isWide;
+      }
+      if (any) range.least = std::min(range.least, (1 - kTolerance) * alone);
+      if (all) range.most = (1 + kTolerance) * alone;
     }
     radii.push_back(range);
   }

@@ -103,6 +103,20 @@ TEST_CASE("numbers choose a brush and sculpt with any tool, and brackets resize 
   }
 }
 
+TEST_CASE("choosing a tool or a brush by a key ends measuring, and Shift+S and Shift+D have no other meaning") {
+  for (const WindowTool tool : kTools)
+    for (const auto& [key, shift] : {std::pair{GLFW_KEY_S, true}, {GLFW_KEY_V, false}, {GLFW_KEY_2, false}}) {
+      WindowSettings settings;
+      settings.tool = tool;
+      settings.view.measures = true;
+      for (const KeyBinding* const meaning : meaningsOf(tool, key, false, shift))
+        for (const KeyAction& action : meaning->press)
+          if (const auto* const set = std::get_if<std::function<void(WindowSettings&)>>(&action)) (*set)(settings);
+      CHECK_FALSE(settings.view.measures);
+    }
+  for (const WindowTool tool : kTools) CHECK(meaningsOf(tool, GLFW_KEY_D, false, true).size() == 1);
+}
+
 TEST_CASE("with Ctrl each brush does something else, or says what to do instead") {
   for (const BrushTraits& brush : kBrushes) {
     CAPTURE(brush.name);
