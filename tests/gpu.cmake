@@ -68,7 +68,7 @@ else()
 endif()
 palpate_tests(view LINKS palpate::session_gpu palpate::sharing glfw CLI11::CLI11
               WITH ${PROJECT_SOURCE_DIR}/apps/view/key_table.cpp ${PROJECT_SOURCE_DIR}/apps/view/help_search.cpp
-              ${PROJECT_SOURCE_DIR}/apps/view/screen_places.cpp)
+              ${PROJECT_SOURCE_DIR}/apps/view/screen_places.cpp ${PROJECT_SOURCE_DIR}/apps/view/picture_pace.cpp)
 palpate_tests(apps LINKS palpate::haptics palpate::io palpate::sharing third_party::stb
               WITH apps/program.cpp apps/result.cpp fake_devices/fake_haply.cpp
               WITHOUT ${without_sharing} ${without_study} ${without_simulation})

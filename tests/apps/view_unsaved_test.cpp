@@ -347,7 +347,7 @@ TEST_CASE("sculpting continues when the disk for unsaved strokes is full, and on
   const ScratchFolder folder;
   makeSphere(folder.path(), 20000);
   const std::filesystem::path limited = folder / "limited.sh";
-  std::ofstream(limited) << "#!/bin/bash\nulimit -f 8\nexec '" + std::filesystem::absolute(program()).string() +
+  std::ofstream(limited) << "#!/bin/bash\nulimit -f 12\nexec '" + std::filesystem::absolute(program()).string() +
                                 "' \"$@\"\n";
   std::filesystem::permissions(limited, std::filesystem::perms::owner_all);
   const char* before = std::getenv("PALPATE_PROGRAM");
