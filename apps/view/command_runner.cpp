@@ -177,8 +177,7 @@ void CommandRunner::savePicture() {
   if (!parts_.screen.isVisible()) return;
   parts_.screen.waitForLast();
   session.drawn().closeSurface();
-  const DVec2 size_px(parts_.screen.size_px()), free_px = parts_.panels.freeWidth_px(parts_.settings.view, size_px.x);
-  Camera camera = pictureCamera(parts_.viewpoint.camera(), session.history().points(), free_px.y - free_px.x, size_px);
+  Camera camera = parts_.viewpoint.camera();
   camera.setDepthRange(session.bounds(), session.longestSide());
   const std::string file = parts_.document.freeName("", "png");
   writeImage(file, parts_.shown.picture(session, camera, parts_.settings.view,

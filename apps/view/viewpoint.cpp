@@ -1,7 +1,6 @@
 #include "apps/view/viewpoint.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "engine/render/camera_motion.hpp"
 
@@ -48,27 +47,6 @@ void Viewpoint::zoom(const std::optional<DVec3>& place, double factor, double lo
 std::optional<DVec3> Viewpoint::placeAt(const DVec2& place_px, double depth, const DVec2& size_px) const {
   if (!(depth > 0)) return std::nullopt;
   return camera_.unproject(place_px, depth, size_px);
-}
-
-Camera pictureCamera(const Camera& camera, std::span<const PointState> points, double free_px, const DVec2& size_px) {
-  constexpr std::size_t kLooked = 1 << 16;              // points that are looked at
-  constexpr double kFilled = 0.9, kMuchSmaller = 1.25;  // of the picture; factor by which it is larger then
-  Camera picture = camera;
-  picture.center = DVec2(0.5);
-  DVec2 reach_px(0);
-  for (std::size_t i = 0; i < points.size(); i += points.size() / kLooked + 1) {
-    if (points[i].gone) continue;
-    const auto at = picture.project(DVec3(points[i].position), size_px);
-    if (!at) return picture;
-    reach_px = glm::max(reach_px, glm::abs(DVec2(*at) - 0.5 * size_px));
-  }
-  const bool isWhole = 2 * reach_px.x <= free_px && 2 * reach_px.y <= size_px.y;
-  if (!isWhole || !(reach_px.x > 0 && reach_px.y > 0)) return picture;
-  const double factor = kFilled * 0.5 * std::min(size_px.x / reach_px.x, size_px.y / reach_px.y);
-  if (factor < kMuchSmaller) return picture;
-  picture.height /= factor;
-  picture.fov_deg = 2 * glm::degrees(std::atan(std::tan(0.5 * glm::radians(camera.fov_deg)) / factor));
-  return picture;
 }
 
 }  // namespace palpate

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <optional>
-#include <span>
 
 #include "apps/view/settings.hpp"
-#include "engine/core/point_state.hpp"
 #include "engine/render/camera_motion.hpp"
 
 namespace palpate {
@@ -50,9 +48,5 @@ class Viewpoint {
   Camera camera_;
   std::optional<UpAxis> fittedUp_;
 };
-
-/// The camera of a picture that is saved: a model that is whole in the middle `free_px` of the window's width, and much
-/// smaller than the window, fills the picture, seen from the same position.
-Camera pictureCamera(const Camera& camera, std::span<const PointState> points, double free_px, const DVec2& size_px);
 
 }  // namespace palpate
