@@ -1,5 +1,6 @@
 // Cost of selecting and cleaning points.
 #include <numeric>
+#include <thread>
 
 #include "apps/bench/bench.hpp"
 #include "engine/cloud/normals.hpp"
@@ -10,6 +11,8 @@
 #include "engine/select/cleaning.hpp"
 #include "engine/select/expression.hpp"
 #include "engine/select/field_rule.hpp"
+#include "haptics/builtin_path.hpp"
+#include "haptics/devices/path_device.hpp"
 
 namespace palpate {
 
@@ -19,14 +22,23 @@ struct SelectRecord {
   std::string model, operation;
   std::size_t points = 0, left = 0;
   Summary time_ms;
+  std::optional<std::uint64_t> ticks = {}, missedTicks = {};
 };
+
+template <auto member>
+std::optional<Json> ofHand(const SelectRecord& record) {
+  return record.*member ? std::optional(Json(*(record.*member))) : std::nullopt;
+}
 
 constexpr Reported<SelectRecord> kSelect[]{
     {"model", "", "name of the model", field<&SelectRecord::model>},
     {"points", "", "its points", field<&SelectRecord::points>},
     {"operation", "", "what was done with all points", field<&SelectRecord::operation>},
     {"left", "", "points that it selects or keeps", field<&SelectRecord::left>},
-    {"time_ms", "ms", "time of it", quantiles<&SelectRecord::time_ms>},
+    {"time_ms", "ms", "time of it; of a hand: from pose to force", quantiles<&SelectRecord::time_ms>},
+    {"ticks", "", "ticks of a hand", ofHand<&SelectRecord::ticks>},
+    {"missed_ticks", "", "ticks of it that were skipped because their time had passed",
+     ofHand<&SelectRecord::missedTicks>},
 };
 
 /// An operation, and how many points it selects or keeps.
@@ -191,7 +203,57 @@ void benchChanges(Context& context, const BenchOptions& options, const Subject& 
   }
 }
 
-Json benchSelect(Context& context, const BenchOptions& options, Measured measured) {
+/// A hand in real time: alone, and beside these changes, in turns.
+struct HandBeside {
+  static constexpr int kRounds = 5;
+  double duration_s = 0;  ///< of each turn; 0: no hand
+};
+
+void benchHand(Context& context, const BenchOptions& options, const Subject& subject, const HandBeside& hand,
+               std::vector<SelectRecord>& records) {
+  for (const std::string& backend : options.backends) {
+    const std::vector<Change> changes = changesOf(subject.model, nullptr);
+    BenchBackend on = options.backend;
+    on.backend = backend;
+    on.realtime = true;
+    Session session = startSession(context, subject.model, on,
+                                   {.brush = BrushConfig(), .keepsPoints = true, .undo_bytes = std::uint64_t{8} << 30});
+    PathDevice device(builtinPath("slide", subject.model.cloud, subject.model.scale));
+    session.start({{.device = &device}}, {});
+    std::array<std::vector<double>, 2> step_ms;  // alone, beside
+    std::array<std::uint64_t, 2> missed{};
+    std::vector<TraceRow> rows;
+    session.live()->take(rows);
+    for (int turn = 0; turn < 2 * HandBeside::kRounds; ++turn) {
+      const auto beside = static_cast<std::size_t>(turn % 2);
+      const Stopwatch watch;
+      // Whole passes over the changes, so that the points are the same at the end.
+      while (watch.elapsed_s() < hand.duration_s) {
+        for (const Change& change : beside ? changes : std::vector<Change>()) change.run(session);
+        if (!beside) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        rows.clear();
+        session.live()->take(rows);
+        for (const TraceRow& row : rows) {
+          step_ms[beside].push_back(row.step_us * 1e-3);
+          missed[beside] += row.missed;
+        }
+      }
+    }
+    const std::string fault = session.isLive() ? "" : session.live()->fault();
+    session.stop();
+    if (!fault.empty()) throw Error("bench select: the hand was stopped: {}", fault);
+    for (std::size_t beside = 0; beside < 2; ++beside)
+      records.push_back({.model = subject.name,
+                         .operation = fmt::format("{}: a hand {}", backend, beside ? "beside all of these" : "alone"),
+                         .points = subject.model.cloud.size(),
+                         .left = session.history()->points().present(),
+                         .time_ms = summarize(step_ms[beside]),
+                         .ticks = step_ms[beside].size(),
+                         .missedTicks = missed[beside]});
+  }
+}
+
+Json benchSelect(Context& context, const BenchOptions& options, Measured measured, const HandBeside& hand) {
   std::vector<SelectRecord> records;
   for (const SubjectMaker& make : subjectsOf(options)) {
     const Subject subject = make(context);
@@ -212,6 +274,7 @@ Json benchSelect(Context& context, const BenchOptions& options, Measured measure
       record.time_ms = summarize(std::move(times_ms));
     }
     if (measured != Measured::cloud) benchChanges(context, options, subject, records);
+    if (hand.duration_s > 0) benchHand(context, options, subject, hand, records);
   }
   const Json json = arrayBy(kSelect, records);
   printTables(context.tables(), "select", json);
@@ -236,10 +299,15 @@ void addSelectBench(Options& bench, Context& context, Command& command) {
   addRepeatOptions(sub, *options);
   const auto measured = std::make_shared<std::string>("all");
   sub.add("--of", *measured, "operations on a cloud, or of a session").check(oneOf(namesOf(kMeasured))).showDefault();
-  sub.whenNamed([&, options, measured] {
-    command = [&context, options, measured] {
+  const auto hand = std::make_shared<HandBeside>();
+  sub.add("--beside", hand->duration_s,
+          "also count the ticks that a hand misses at 1 kHz, alone and beside the operations of a session in turns of "
+          "that many seconds, five of each")
+      .check(between(bounds::kShortest_s, bounds::kLongest_s));
+  sub.whenNamed([&, options, measured, hand] {
+    command = [&context, options, measured, hand] {
       measureAlone(context, *options, "select",
-                   [&] { return benchSelect(context, *options, *valueNamed(kMeasured, *measured)); });
+                   [&] { return benchSelect(context, *options, *valueNamed(kMeasured, *measured), *hand); });
     };
   });
 }

@@ -44,7 +44,7 @@ class Attachment {
   VkImageView view_ = VK_NULL_HANDLE;
 };
 
-/// The attachments that a compute pass reads, bound together: binding k of set 0 is the k-th. They must outlive this.
+/// The attachments that a compute pass reads, bound together: binding k of set 1 is the k-th. They must outlive this.
 class ImageReads {
  public:
   ImageReads(Device& device, const ComputePipeline& pipeline, std::span<const Attachment* const> images);

@@ -230,7 +230,7 @@ void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t t
   openPass(pipeline.name(), threads, args.size());
   bind(pipeline, args);
   if (images)
-    device_.vk().vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout(), 0, 1, &images, 0,
+    device_.vk().vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout(), 1, 1, &images, 0,
                                          nullptr);
   device_.vk().vkCmdDispatch(commands_, grid.x, slices ? 1 : grid.y, 1);
   for (std::uint32_t row = 1; slices && row < grid.y; ++row) {
@@ -281,10 +281,21 @@ void CommandList::drawBytes(const GraphicsPipeline& pipeline, const DrawTargets&
     device_.vk().vkCmdSetScissor(commands_, 0, 1, &area);
     device_.vk().vkCmdPushConstants(commands_, pipeline.layout(), GraphicsPipeline::kStages, 0, pipeline.pushBytes(),
                                     args.data());
+    if (pipeline.readsBlock()) bindBlock(VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.layout());
     device_.vk().vkCmdDraw(commands_, vertices, 1, 0, 0);
   }
   device_.vk().vkCmdEndRendering(commands_);
   closePass();
+}
+
+void CommandList::use(const ConstantBlock& block, std::uint32_t slot) {
+  block_ = block.handle();
+  blockOffset_ = block.offset(slot);
+}
+
+void CommandList::bindBlock(VkPipelineBindPoint at, VkPipelineLayout layout) {
+  PALPATE_CHECK(block_ != VK_NULL_HANDLE);
+  device_.vk().vkCmdBindDescriptorSets(commands_, at, layout, 0, 1, &block_, 1, &blockOffset_);
 }
 
 void CommandList::bind(const ComputePipeline& pipeline, std::span<const std::byte> args) {
@@ -292,6 +303,7 @@ void CommandList::bind(const ComputePipeline& pipeline, std::span<const std::byt
   device_.vk().vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle());
   device_.vk().vkCmdPushConstants(commands_, pipeline.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, pipeline.pushBytes(),
                                   args.data());
+  if (pipeline.readsBlock()) bindBlock(VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout());
 }
 
 void CommandList::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t fromOffset,

@@ -13,6 +13,7 @@
 #include "engine/gpu/attachment.hpp"
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/compute_pipeline.hpp"
+#include "engine/gpu/constant_block.hpp"
 #include "engine/gpu/graphics_pipeline.hpp"
 #include "engine/gpu/vulkan.hpp"
 
@@ -73,6 +74,9 @@ class CommandList {
 
   void begin();
   void end();
+
+  /// Passes that read a block read this slot of this one from now on; it must outlive the runs of this list.
+  void use(const ConstantBlock& block, std::uint32_t slot);
 
   /// Runs at least `threads` invocations; `args` become the push constants. Zero threads record nothing.
   template <class Args>
@@ -158,6 +162,7 @@ class CommandList {
   void dispatchIndirectBytes(const ComputePipeline& pipeline, const Buffer& groups, std::span<const std::byte> args,
                              std::uint64_t offset);
   void bind(const ComputePipeline& pipeline, std::span<const std::byte> args);
+  void bindBlock(VkPipelineBindPoint at, VkPipelineLayout layout);
   void orderAfterPrevious(Size size);
   void orderDraw(const DrawTargets& targets);
   void openPass(const std::string& name, std::uint64_t threads, std::uint64_t bytes);
@@ -173,8 +178,10 @@ class CommandList {
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   std::unique_ptr<GpuTimer> timer_;
   Overlap independent_ = Overlap::no;
-  bool drew_ = false;   // since the last barrier
-  bool waits_ = false;  // the command being recorded is preceded by a barrier
+  bool drew_ = false;                       // since the last barrier
+  bool waits_ = false;                      // the command being recorded is preceded by a barrier
+  VkDescriptorSet block_ = VK_NULL_HANDLE;  // in use
+  std::uint32_t blockOffset_ = 0;
   std::string section_;
   std::vector<std::pair<std::string, std::uint32_t>> sectionTimers_;
   std::vector<PassRecord> passes_;

@@ -5,6 +5,7 @@
 #include "engine/core/check.hpp"
 #include "engine/core/job_stop.hpp"
 #include "engine/gpu/command_list.hpp"
+#include "engine/gpu/constant_block.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/workgroup_watch.hpp"
 
@@ -20,6 +21,12 @@ void translateNow(Device& device, const ShaderCode& code, const PipelineOptions&
   if (!device.isCpu() || device.instance().validates() || options.images > 0) return;
   CommandList list(device, device.backgroundQueue(), code.name);
   list.begin();
+  const ConstantBlock block(device, kMaxPushBytes, 1, "no constants");
+  const std::uint32_t offset = block.offset(0);
+  const VkDescriptorSet set = block.handle();
+  if (compiled.readsBlock)
+    device.vk().vkCmdBindDescriptorSets(list.handle(), VK_PIPELINE_BIND_POINT_COMPUTE, compiled.layout, 0, 1, &set, 1,
+                                        &offset);
   device.vk().vkCmdBindPipeline(list.handle(), VK_PIPELINE_BIND_POINT_COMPUTE, compiled.pipeline);
   // No invocation reads the arguments, but Vulkan requires them.
   static constexpr std::array<std::byte, kMaxPushBytes> kNothing{};
@@ -34,7 +41,7 @@ void translateNow(Device& device, const ShaderCode& code, const PipelineOptions&
 // `life`: of WorkgroupWatch::Twin; 0: the shader is not watched.
 PipelineStore::Compiled compile(Device& device, const ShaderCode& code, const PipelineOptions& options,
                                 DeviceAddress life) {
-  PipelineStore::Compiled compiled;
+  PipelineStore::Compiled compiled{.readsBlock = readsBlock(code)};
   makeLayout(device, VK_SHADER_STAGE_COMPUTE_BIT, options.pushBytes, options.images, compiled);
   std::vector<std::uint32_t> constants{options.workgroupSize};
   constants.insert(constants.end(), options.constants.begin(), options.constants.end());

@@ -18,10 +18,11 @@ struct PipelineOptions {
   /// Invocations per slice, if a list yields (CommandList). An H200 takes about 30 us for this number in the slower
   /// passes, and 3 us between two slices.
   std::uint32_t sliceThreads = 1 << 19;
-  std::uint32_t images = 0;  ///< number of images that it reads (ImageReads): bindings 0, 1, … of set 0
+  std::uint32_t images = 0;  ///< number of images that it reads (ImageReads): bindings 0, 1, … of set 1
 };
 
-/// A compute shader: buffers are passed by address in the push constants, and only images need a descriptor set.
+/// A compute shader: buffers are passed by address in the push constants, and only images and a ConstantBlock need
+/// descriptor sets.
 class ComputePipeline {
  public:
   ComputePipeline(Device& device, const ShaderCode& code, const PipelineOptions& options);
@@ -29,6 +30,7 @@ class ComputePipeline {
   VkPipeline handle() const { return compiled_.pipeline; }
   VkPipelineLayout layout() const { return compiled_.layout; }
   VkDescriptorSetLayout imageLayout() const { return compiled_.images; }
+  bool readsBlock() const { return compiled_.readsBlock; }
   std::uint32_t workgroupSize() const { return workgroupSize_; }
   std::uint32_t sliceThreads() const { return sliceThreads_; }
   std::uint32_t pushBytes() const { return pushBytes_; }

@@ -50,7 +50,7 @@ struct FixedStates {
 
 PipelineStore::Compiled compile(Device& device, const ShaderCode& vertex, const ShaderCode& fragment,
                                 const GraphicsOptions& options) {
-  PipelineStore::Compiled compiled;
+  PipelineStore::Compiled compiled{.readsBlock = readsBlock(vertex) || readsBlock(fragment)};
   makeLayout(device, GraphicsPipeline::kStages, options.pushBytes, 0, compiled);
   ShaderStage vertexStage(device, vertex, options.constants), fragmentStage(device, fragment, options.constants);
   const std::array stages{vertexStage.info(VK_SHADER_STAGE_VERTEX_BIT),

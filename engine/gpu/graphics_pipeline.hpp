@@ -32,6 +32,7 @@ class GraphicsPipeline {
 
   VkPipeline handle() const { return compiled_.pipeline; }
   VkPipelineLayout layout() const { return compiled_.layout; }
+  bool readsBlock() const { return compiled_.readsBlock; }
   static constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
   std::uint32_t pushBytes() const { return pushBytes_; }
   std::size_t colors() const { return colors_; }

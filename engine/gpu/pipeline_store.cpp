@@ -1,5 +1,8 @@
 #include "engine/gpu/pipeline_store.hpp"
 
+#include <array>
+
+#include "engine/gpu/constant_block.hpp"
 #include "engine/gpu/device.hpp"
 
 namespace palpate {
@@ -57,7 +60,8 @@ void PipelineStore::destroyAll(Device& device) {
   for (const auto& [key, compiled] : compiled_) {
     device.vk().vkDestroyPipeline(device.handle(), compiled->pipeline, nullptr);
     device.vk().vkDestroyPipelineLayout(device.handle(), compiled->layout, nullptr);
-    device.vk().vkDestroyDescriptorSetLayout(device.handle(), compiled->images, nullptr);
+    for (const VkDescriptorSetLayout layout : {compiled->block, compiled->images})
+      device.vk().vkDestroyDescriptorSetLayout(device.handle(), layout, nullptr);
   }
   compiled_.clear();
 }
@@ -97,6 +101,18 @@ VkPipelineShaderStageCreateInfo ShaderStage::info(VkShaderStageFlagBits stage, V
           .pSpecializationInfo = &specialization_};
 }
 
+bool readsBlock(const ShaderCode& code) {
+  constexpr std::uint32_t kOpVariable = 59, kOpLoad = 61, kOpAccessChain = 65, kUniform = 2;
+  constexpr std::size_t kHeader = 5;  // words
+  std::uint32_t block = 0;
+  for (std::size_t at = kHeader; at < code.words.size(); at += code.words[at] >> 16) {
+    const std::uint32_t operation = code.words[at] & 0xffff;
+    if (operation == kOpVariable && code.words[at + 3] == kUniform) block = code.words[at + 2];
+    if ((operation == kOpLoad || operation == kOpAccessChain) && code.words[at + 3] == block) return true;
+  }
+  return false;
+}
+
 void makeLayout(Device& device, VkShaderStageFlags stages, std::uint32_t pushBytes, std::uint32_t images,
                 PipelineStore::Compiled& compiled) {
   if (images > 0) {
@@ -115,12 +131,16 @@ void makeLayout(Device& device, VkShaderStageFlags stages, std::uint32_t pushByt
     device.check(device.vk().vkCreateDescriptorSetLayout(device.handle(), &info, nullptr, &compiled.images),
                  "vkCreateDescriptorSetLayout");
   }
+  if (compiled.readsBlock || images > 0) compiled.block = ConstantBlock::makeLayout(device);
+  const std::array sets{compiled.block, compiled.images};
   const VkPushConstantRange range{.stageFlags = stages, .offset = 0, .size = pushBytes};
   const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                         .pNext = nullptr,
                                         .flags = 0,
-                                        .setLayoutCount = images ? 1u : 0u,
-                                        .pSetLayouts = &compiled.images,
+                                        .setLayoutCount = images > 0            ? 2u
+                                                          : compiled.readsBlock ? 1u
+                                                                                : 0u,
+                                        .pSetLayouts = sets.data(),
                                         .pushConstantRangeCount = pushBytes ? 1u : 0u,
                                         .pPushConstantRanges = &range};
   device.check(device.vk().vkCreatePipelineLayout(device.handle(), &info, nullptr, &compiled.layout),

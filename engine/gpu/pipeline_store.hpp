@@ -25,7 +25,9 @@ inline constexpr std::uint32_t kMaxPushBytes = 128;
 class PipelineStore {
  public:
   struct Compiled {
-    VkDescriptorSetLayout images = VK_NULL_HANDLE;  ///< of the images that it reads; null if there are none
+    VkDescriptorSetLayout block = VK_NULL_HANDLE;   ///< of its ConstantBlock; null: it reads none
+    VkDescriptorSetLayout images = VK_NULL_HANDLE;  ///< of the images that it reads; null: it reads none
+    bool readsBlock = false;
     VkPipelineLayout layout = VK_NULL_HANDLE;
     VkPipeline pipeline = VK_NULL_HANDLE;
   };
@@ -76,7 +78,11 @@ class ShaderStage {
   VkShaderModule module_ = VK_NULL_HANDLE;
 };
 
-/// `images`: number that a compute shader reads, in set 0; `pushBytes` are for all of `stages`.
+/// Whether a shader reads a ConstantBlock, and does not only declare it: its variable in the storage class Uniform.
+bool readsBlock(const ShaderCode& code);
+
+/// `images`: number that a compute shader reads, in set 1; `pushBytes` are for all of `stages`.
+/// `compiled.readsBlock` is set before.
 void makeLayout(Device& device, VkShaderStageFlags stages, std::uint32_t pushBytes, std::uint32_t images,
                 PipelineStore::Compiled& compiled);
 

@@ -43,8 +43,7 @@ ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
 
 void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target) const {
   const std::uint32_t turns = device_.hasUrgentWork() ? shared::kSplatTurns : 1;
-  shared::SplatArgs args{.frame = target.frame,
-                         .counts = counts_.address(),
+  shared::SplatArgs args{.counts = counts_.address(),
                          .picked = cloud.picked().address(),
                          .shares = shares_.address(),
                          .positions = cloud.positions().address(),

@@ -9,7 +9,6 @@ namespace palpate {
 /// Output of a rasteriser for each sample: the nearest depth, and sums over the surface close behind it
 /// (shaders/shared/render.h, SplatArgs).
 struct RasterTarget {
-  DeviceAddress frame;  ///< shared::RenderFrame
   DeviceAddress depth, normalSums, colorSums;
 };
 

@@ -37,7 +37,7 @@ Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uin
       raster_(device, wideAtomics),
       triangles_(device),
       shading_(device, size_),
-      constants_(Buffer::of<shared::RenderFrame>(device, kInFlight, Memory::upload, "frame constants")),
+      constants_(device, sizeof(shared::RenderFrame), kInFlight, "frame constants"),
       depth_(deviceWords(device, samples(), "frame depth")),
       normalSums_(deviceWords(device, 4 * samples(), "frame normal sums")),
       colorSums_(deviceWords(device, 3 * samples(), "frame color sums")) {}
@@ -48,7 +48,7 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
   const auto frame = list.section("frame");
   if (showsGaussians(cloud, options)) return recordGaussians(list, cloud, camera, options);
   const Drawn about = drawn(cloud, options);
-  const RasterTarget target = targetWith(about, camera, options, 0);
+  const RasterTarget target = begin(list, about, camera, options, 0);
   const Ground* const under = ground(list, cloud, about, options);
   if (options.raster != Raster::compute) {
     recordHardware(list, cloud, target, about, camera, options);
@@ -72,7 +72,7 @@ void Frame::record(CommandList& list, DrawnMesh mesh, const Camera& camera, cons
   mesh.hasColors &= options.color != ColorBy(ColorSource::material);
   const Drawn about = drawn(mesh);
   const std::uint32_t tiles = tilesOf(about, camera, size_px().y);
-  const RasterTarget target = targetWith(about, camera, options, tiles);
+  const RasterTarget target = begin(list, about, camera, options, tiles);
   const auto frame = list.section("frame");
   const Ground* const under = ground(list, mesh, about, options);
   recordClear(list, mesh.hasColors);
@@ -104,7 +104,7 @@ void Frame::recordGaussians(CommandList& list, const DrawnCloud& cloud, const Ca
   options.smooth_px = 0;
   options.closeHoles = false;
   const Drawn about = drawn(cloud, options);
-  const RasterTarget target = targetWith(about, camera, options, 0);
+  const RasterTarget target = begin(list, about, camera, options, 0);
   const Ground* const under = ground(list, cloud, about, options);
   list.fill(depth_, shared::kNoDepth, depth_.bytes());
   gaussians_->prepare(list, cloud, target, size_);
@@ -119,14 +119,12 @@ void Frame::recordClear(CommandList& list, bool colors) const {
   if (colors) list.fill(colorSums_, 0, colorSums_.bytes());
 }
 
-RasterTarget Frame::targetWith(const Drawn& about, const Camera& camera, const FrameOptions& options,
-                               std::uint32_t tiles) {
+RasterTarget Frame::begin(CommandList& list, const Drawn& about, const Camera& camera, const FrameOptions& options,
+                          std::uint32_t tiles) {
   const std::uint32_t slot = recordings_++ % kInFlight;
-  constants_.mapped<shared::RenderFrame>()[slot] = frameConstants(about, camera, options, size_, tiles);
-  return {.frame = constants_.address() + slot * sizeof(shared::RenderFrame),
-          .depth = depth_.address(),
-          .normalSums = normalSums_.address(),
-          .colorSums = colorSums_.address()};
+  constants_.write(slot, frameConstants(about, camera, options, size_, tiles));
+  list.use(constants_, slot);
+  return {.depth = depth_.address(), .normalSums = normalSums_.address(), .colorSums = colorSums_.address()};
 }
 
 void Frame::readBack(const Buffer& from, std::span<std::byte> to) const {

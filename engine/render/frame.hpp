@@ -58,8 +58,9 @@ class Frame {
  private:
   UVec2 size_px() const { return {size_.width * size_.supersample, size_.height * size_.supersample}; }
   std::uint64_t samples() const { return std::uint64_t{size_px().x} * size_px().y; }
-  // Also writes the constants of the next recording.
-  RasterTarget targetWith(const Drawn& about, const Camera& camera, const FrameOptions& options, std::uint32_t tiles);
+  // Begins a recording: also writes its constants.
+  RasterTarget begin(CommandList& list, const Drawn& about, const Camera& camera, const FrameOptions& options,
+                     std::uint32_t tiles);
   void recordClear(CommandList& list, bool colors) const;
   // Replaces all but the shading.
   void recordGaussians(CommandList& list, const DrawnCloud& cloud, const Camera& camera, FrameOptions options);
@@ -80,7 +81,7 @@ class Frame {
   std::unique_ptr<Ground> ground_;            // these likewise
   std::unique_ptr<GaussianPass> gaussians_;
   std::unique_ptr<WaterPass> water_;
-  Buffer constants_;
+  ConstantBlock constants_;
   std::uint32_t recordings_ = 0;
   Buffer depth_, normalSums_, colorSums_;
 };

@@ -64,8 +64,7 @@ void GaussianPass::prepare(CommandList& list, const DrawnCloud& cloud, const Ras
   const Room& room = roomFor(count, bins.bytes());
   const auto section = list.section("gaussians");
   list.dispatch(project_, count,
-                shared::GaussianProjectArgs{.frame = target.frame,
-                                            .gaussians = gaussians.gaussians().address(),
+                shared::GaussianProjectArgs{.gaussians = gaussians.gaussians().address(),
                                             .harmonics = gaussians.harmonics().address(),
                                             .now = {.positions = cloud.positions().address(),
                                                     .normals = cloud.normals().address(),
@@ -101,8 +100,7 @@ void GaussianPass::prepare(CommandList& list, const DrawnCloud& cloud, const Ras
                                         .binsDown = bins.down,
                                         .unused = 0});
   const std::uint32_t across = parts(size.width, tile_px_);
-  args_ = {.frame = target.frame,
-           .projected = room.projected.address(),
+  args_ = {.projected = room.projected.address(),
            .order = sorted.values,
            .boxes = room.boxes.address(),
            .bins = room.bins.address(),

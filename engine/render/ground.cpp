@@ -89,16 +89,12 @@ void Ground::make(CommandList& list, const shared::GroundHeightsArgs& args) {
   list.dispatch(blur_, cells, shadow);
 }
 
-void Ground::recordShadow(CommandList& list, const RasterTarget& target, DeviceAddress source, DeviceAddress depth,
-                          DeviceAddress shaded, std::uint64_t samples) const {
+void Ground::recordShadow(CommandList& list, DeviceAddress source, DeviceAddress depth, DeviceAddress shaded,
+                          std::uint64_t samples) const {
   const auto section = list.section("ground");
-  list.dispatch(darken_, samples,
-                shared::GroundArgs{.map = map_,
-                                   .frame = target.frame,
-                                   .source = source,
-                                   .depth = depth,
-                                   .shaded = shaded,
-                                   .shadow = shadow_.address()});
+  list.dispatch(
+      darken_, samples,
+      shared::GroundArgs{.map = map_, .source = source, .depth = depth, .shaded = shaded, .shadow = shadow_.address()});
 }
 
 }  // namespace palpate

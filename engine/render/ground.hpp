@@ -24,8 +24,8 @@ class Ground {
   void follow(CommandList& list, const DrawnCloud& cloud, const shared::GroundMap& map);
   void follow(CommandList& list, const DrawnMesh& mesh, const shared::GroundMap& map);
   /// Darkens `shaded` (ShadeArgs) of samples without a surface.
-  void recordShadow(CommandList& list, const RasterTarget& target, DeviceAddress source, DeviceAddress depth,
-                    DeviceAddress shaded, std::uint64_t samples) const;
+  void recordShadow(CommandList& list, DeviceAddress source, DeviceAddress depth, DeviceAddress shaded,
+                    std::uint64_t samples) const;
 
   /// One float per cell of the map: share of the sky that is hidden.
   const Buffer& shadow() const { return shadow_; }

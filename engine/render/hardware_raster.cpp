@@ -106,7 +106,6 @@ void HardwareRaster::record(CommandList& list, const DrawnCloud& cloud, const Ra
   const std::uint32_t tiles = spritesOf(largestPoint_px, frame, widest);
   const std::uint32_t vertices = verticesFor(frame.count, tiles);
   shared::HardwareDiscArgs discs{
-      .frame = target.frame,
       .positions = cloud.positions().address(),
       .normals = cloud.normals().address(),
       .colors = cloud.colors().address(),
@@ -126,8 +125,7 @@ void HardwareRaster::record(CommandList& list, const DrawnCloud& cloud, const Ra
   if (hasColors) sums.colors.push_back(colors_.get());
   list.draw(hasColors ? colorPass_ : normalPass_, sums, vertices, discs);
   list.dispatch(sums_, std::uint64_t{depth_.size_px().x} * depth_.size_px().y,
-                shared::HardwareSumsArgs{.frame = target.frame,
-                                         .depth = target.depth,
+                shared::HardwareSumsArgs{.depth = target.depth,
                                          .normalSums = target.normalSums,
                                          .colorSums = target.colorSums,
                                          .depthUnit = std::ldexp(1.0f, exponent),

@@ -98,8 +98,7 @@ void LinePass::record(CommandList& list, std::span<const SpaceLine> lines, const
     if (!isDrawable(line)) continue;
     if (const auto ends = seen.partOf(line)) memory[count++] = packed(line, *ends);
   }
-  const shared::LineArgs args{.frame = target.frame,
-                              .lines = buffer.address(),
+  const shared::LineArgs args{.lines = buffer.address(),
                               .marks = marks_.address(),
                               .depthImage = target.depthImage,
                               .image = target.image,

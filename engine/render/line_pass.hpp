@@ -12,9 +12,8 @@
 
 namespace palpate {
 
-/// Images that lines are drawn into, and the view.
+/// Images that lines are drawn into.
 struct LineTarget {
-  DeviceAddress frame;       ///< shared::RenderFrame
   DeviceAddress depthImage;  ///< surface depth, a float per pixel; 0 without a surface
   DeviceAddress image;       ///< RGBA8
 };

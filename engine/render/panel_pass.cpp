@@ -141,7 +141,9 @@ void PanelPass::record(CommandList& list, const Buffer* picture, std::uint32_t s
   if (picture) PALPATE_CHECK_LE(std::uint64_t{4} * picture_px.x * picture_px.y, picture->bytes());
   const auto section = list.section("panels");
   recordLayer(list, shapes, size_px);
-  list.dispatch(compose_, pixels,
+  // The first one ends between the first two pixels of the picture.
+  const UVec2 squares = (size_px + (shrink + 1) / 2 % shrink + (shrink - 1)) / shrink;
+  list.dispatch(compose_, std::uint64_t{squares.x} * squares.y,
                 shared::PanelComposeArgs{.picture = picture ? picture->address() : 0,
                                          .layer = layer_.address(),
                                          .shown = shown.address(),
@@ -149,7 +151,8 @@ void PanelPass::record(CommandList& list, const Buffer* picture, std::uint32_t s
                                          .background = background,
                                          .blueFirst = blueFirst ? 1u : 0u,
                                          .shrink = shrink,
-                                         .pictureWidth_px = picture_px.x});
+                                         .pictureWidth_px = picture_px.x,
+                                         .squares = squares});
 }
 
 void PanelPass::recordLayer(CommandList& list, const PanelShapes& shapes, const UVec2& size_px) {

@@ -17,20 +17,17 @@ Relief::Relief(Device& device, const FrameSize& size)
       access_(deviceWords(device, pixels_, "occlusion")),
       cavity_(deviceWords(device, pixels_, "cavities")) {}
 
-Relief::Result Relief::record(CommandList& list, const RasterTarget& target, DeviceAddress source, DeviceAddress depth,
+Relief::Result Relief::record(CommandList& list, DeviceAddress normalSums, DeviceAddress source, DeviceAddress depth,
                               bool occlusion, bool cavity) {
   Result result;
   if (!occlusion && !cavity) return result;
   result.surfels = surfels_.address();
   const auto section = list.section("relief");
-  list.dispatch(gather_, pixels_,
-                shared::SurfelArgs{.frame = target.frame,
-                                   .source = source,
-                                   .depth = depth,
-                                   .normalSums = target.normalSums,
-                                   .surfels = surfels_.address()});
+  list.dispatch(
+      gather_, pixels_,
+      shared::SurfelArgs{.source = source, .depth = depth, .normalSums = normalSums, .surfels = surfels_.address()});
   if (occlusion) {
-    shared::OcclusionArgs args{.frame = target.frame, .surfels = surfels_.address(), .from = 0, .to = rough_.address()};
+    shared::OcclusionArgs args{.surfels = surfels_.address(), .from = 0, .to = rough_.address()};
     list.dispatch(occlude_, pixels_, args);
     args.from = rough_.address();
     args.to = result.access = access_.address();
@@ -38,8 +35,7 @@ Relief::Result Relief::record(CommandList& list, const RasterTarget& target, Dev
   }
   if (cavity) {
     result.cavity = cavity_.address();
-    list.dispatch(bend_, pixels_,
-                  shared::CavityArgs{.frame = target.frame, .surfels = surfels_.address(), .cavity = result.cavity});
+    list.dispatch(bend_, pixels_, shared::CavityArgs{.surfels = surfels_.address(), .cavity = result.cavity});
   }
   return result;
 }

@@ -19,9 +19,9 @@ class Relief {
     DeviceAddress access = 0;   ///< a float per pixel, 0 to 1
     DeviceAddress cavity = 0;   ///< a float per pixel: factor on the light
   };
-  /// `source`: of the samples (ShadeArgs). `depth`: as shaded.
-  Result record(CommandList& list, const RasterTarget& target, DeviceAddress source, DeviceAddress depth,
-                bool occlusion, bool cavity);
+  /// `normalSums`, `source`: of the samples (ShadeArgs). `depth`: as shaded.
+  Result record(CommandList& list, DeviceAddress normalSums, DeviceAddress source, DeviceAddress depth, bool occlusion,
+                bool cavity);
 
   const Buffer& access() const { return access_; }
   const Buffer& cavity() const { return cavity_; }

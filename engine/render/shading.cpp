@@ -25,11 +25,10 @@ Shading::Shading(Device& device, const FrameSize& size)
 
 Shading::~Shading() = default;
 
-DeviceAddress Shading::recordSmoothing(CommandList& list, const RasterTarget& target) {
+DeviceAddress Shading::recordSmoothing(CommandList& list, DeviceAddress depth) {
   if (smoothed_.bytes() == 0) smoothed_ = deviceWords(device_, samples(), "frame smoothed depth");
   const auto section = list.section("smooth");
-  list.dispatch(smoothDepth_, samples(),
-                shared::SmoothDepthArgs{.frame = target.frame, .depth = target.depth, .smoothed = smoothed_.address()});
+  list.dispatch(smoothDepth_, samples(), shared::SmoothDepthArgs{.depth = depth, .smoothed = smoothed_.address()});
   return smoothed_.address();
 }
 
@@ -37,15 +36,14 @@ void Shading::recordShade(CommandList& list, const RasterTarget& target, DeviceA
   Relief::Result relief;
   if (light.occlusion || light.cavity) {
     if (!relief_) relief_ = std::make_unique<Relief>(device_, size_);
-    relief = relief_->record(list, target, source_.address(), depth, light.occlusion, light.cavity);
+    relief = relief_->record(list, target.normalSums, source_.address(), depth, light.occlusion, light.cavity);
   }
   const bool isPlain = light.material == Material::clay && relief.surfels == 0;
   if (!isPlain && !reliefShade_)
     reliefShade_.emplace(device_, shader_code::render_shade,
                          PipelineOptions{.pushBytes = sizeof(shared::ShadeArgs), .constants = {1}});
   list.dispatch(isPlain ? shade_ : *reliefShade_, samples(),
-                shared::ShadeArgs{.frame = target.frame,
-                                  .source = source_.address(),
+                shared::ShadeArgs{.source = source_.address(),
                                   .depth = depth,
                                   .normalSums = target.normalSums,
                                   .colorSums = target.colorSums,
@@ -57,24 +55,21 @@ void Shading::recordShade(CommandList& list, const RasterTarget& target, DeviceA
   if (!eyeDome_)
     eyeDome_.emplace(device_, shader_code::render_eye_dome, PipelineOptions{.pushBytes = sizeof(shared::EyeDomeArgs)});
   list.dispatch(*eyeDome_, samples(),
-                shared::EyeDomeArgs{
-                    .frame = target.frame, .source = source_.address(), .depth = depth, .shaded = shaded_.address()});
+                shared::EyeDomeArgs{.source = source_.address(), .depth = depth, .shaded = shaded_.address()});
 }
 
 void Shading::record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options,
                      const Over& over) {
   {
     const auto section = list.section("holes");
-    list.dispatch(closeHoles_, samples(),
-                  shared::CloseHolesArgs{.frame = target.frame, .depth = target.depth, .source = source_.address()});
+    list.dispatch(closeHoles_, samples(), shared::CloseHolesArgs{.depth = target.depth, .source = source_.address()});
   }
-  const DeviceAddress depth = options.smooth_px > 0 ? recordSmoothing(list, target) : target.depth;
+  const DeviceAddress depth = options.smooth_px > 0 ? recordSmoothing(list, target.depth) : target.depth;
   const auto section = list.section("shade");
   recordShade(list, target, depth, options.pass == ImagePass::final ? options.light : Light());
-  if (over.ground) over.ground->recordShadow(list, target, source_.address(), depth, shaded_.address(), samples());
+  if (over.ground) over.ground->recordShadow(list, source_.address(), depth, shaded_.address(), samples());
   if (over.gaussians) over.gaussians->blend(list, shaded_.address());
-  shared::ResolveArgs resolve{.frame = target.frame,
-                              .source = source_.address(),
+  shared::ResolveArgs resolve{.source = source_.address(),
                               .depth = depth,
                               .shaded = shaded_.address(),
                               .image = image_.address(),
@@ -82,7 +77,7 @@ void Shading::record(CommandList& list, const RasterTarget& target, const Camera
                               .first_px = {0, 0},
                               .size_px = {size_.width, size_.height}};
   if (over.water) {
-    over.water->record(list, target, over.particles, {source_.address(), depth, shaded_.address()});
+    over.water->record(list, over.particles, {source_.address(), depth, shaded_.address()});
     resolve.source = 0;
     resolve.depth = over.water->surface().address();
     resolve.shaded = over.water->shaded().address();
@@ -92,15 +87,14 @@ void Shading::record(CommandList& list, const RasterTarget& target, const Camera
   resolve.first_px = covered.first_px;
   resolve.size_px = covered.size_px;
   list.dispatch(overlay_, std::uint64_t{covered.size_px.x} * covered.size_px.y, resolve);
-  recordLines(list, target, camera, options);
+  recordLines(list, camera, options);
 }
 
-void Shading::recordLines(CommandList& list, const RasterTarget& target, const Camera& camera,
-                          const FrameOptions& options) {
+void Shading::recordLines(CommandList& list, const Camera& camera, const FrameOptions& options) {
   if (!options.lines || options.lines->empty()) return;
   if (!lines_) lines_ = std::make_unique<LinePass>(device_, pixels());
   lines_->record(list, *options.lines, camera, {size_.width, size_.height},
-                 {.frame = target.frame, .depthImage = depthImage_.address(), .image = image_.address()});
+                 {.depthImage = depthImage_.address(), .image = image_.address()});
 }
 
 }  // namespace palpate

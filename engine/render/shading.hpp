@@ -42,10 +42,10 @@ class Shading {
  private:
   std::uint64_t pixels() const { return std::uint64_t{size_.width} * size_.height; }
   std::uint64_t samples() const { return pixels() * size_.supersample * size_.supersample; }
-  void recordLines(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options);
+  void recordLines(CommandList& list, const Camera& camera, const FrameOptions& options);
   void recordShade(CommandList& list, const RasterTarget& target, DeviceAddress depth, const Light& light);
   // Returns the address of the depth to be shaded.
-  DeviceAddress recordSmoothing(CommandList& list, const RasterTarget& target);
+  DeviceAddress recordSmoothing(CommandList& list, DeviceAddress depth);
 
   Device& device_;
   FrameSize size_;

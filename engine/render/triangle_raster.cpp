@@ -22,8 +22,7 @@ TriangleRaster::TriangleRaster(Device& device)
 void TriangleRaster::record(CommandList& list, const DrawnMesh& mesh, std::uint32_t tiles,
                             const RasterTarget& target) const {
   const std::uint64_t shares = std::uint64_t{mesh.triangleCount} * tiles * tiles;
-  const shared::TriangleArgs args{.frame = target.frame,
-                                  .vertices = mesh.vertices,
+  const shared::TriangleArgs args{.vertices = mesh.vertices,
                                   .triangles = mesh.triangles,
                                   .depth = target.depth,
                                   .normalSums = target.normalSums,

@@ -44,11 +44,9 @@ double WaterPass::unitsInLength(const Particles& particles) {
   return std::min(kFinest, (kLargest / std::max(particles.count, 1u) - 1) / widest) / particles.radius;
 }
 
-void WaterPass::record(CommandList& list, const RasterTarget& target, const Particles& particles,
-                       const Behind& behind) {
+void WaterPass::record(CommandList& list, const Particles& particles, const Behind& behind) {
   const double ofBall = particles.spacing / particles.radius;
-  const shared::WaterArgs args{.frame = target.frame,
-                               .source = behind.source,
+  const shared::WaterArgs args{.source = behind.source,
                                .depth = behind.depth,
                                .positions = particles.positions,
                                .fronts = fronts_.address(),

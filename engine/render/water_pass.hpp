@@ -24,7 +24,7 @@ class WaterPass {
   struct Behind {
     DeviceAddress source, depth, shaded;
   };
-  void record(CommandList& list, const RasterTarget& target, const Particles& particles, const Behind& behind);
+  void record(CommandList& list, const Particles& particles, const Behind& behind);
 
   /// One per sample: light of the picture, as two words, and bits of the depth of the visible surface.
   const Buffer& shaded() const { return shaded_; }

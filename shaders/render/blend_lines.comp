@@ -3,12 +3,13 @@
 // Lines in space, pass 2: blends the marks over the picture, in linear light.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/color.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/view.glsl"
 
 layout(push_constant, scalar) uniform Push { LineArgs args; };
 
 void main() {
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const uvec2 size = view.size_px / view.supersample;
   const uint pixel = threadIndex();
   if (pixel >= size.x * size.y) return;

@@ -3,6 +3,7 @@
 // Removes the pattern of 4 x 4 pixels from the occlusion, within the surface: each of its 16 pixels has the same
 // weight, times one of the distance from this pixel's plane.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/pattern.glsl"
 #include "shaders/render/surfel.glsl"
 #include "shaders/shared/look.h"
@@ -10,7 +11,7 @@
 layout(push_constant, scalar) uniform Push { OcclusionArgs args; };
 
 void main() {
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const ivec2 size = pictureSize(view);
   const uint place = threadIndex();
   if (place >= uint(size.x * size.y)) return;
@@ -18,7 +19,7 @@ void main() {
   const Surfel here = surfelAt(view, args.surfels, pixel);
   float sum = args.from.at[place], weights = 1;
   if (isSurface(here)) {
-    const float band = kBlurRadii * args.frame.at[0].usualRadius + kBlurPixels * here.depth / pixelFocal(view);
+    const float band = kBlurRadii * frame.usualRadius + kBlurPixels * here.depth / pixelFocal(view);
     sum = weights = 0;
     for (int y = -2; y <= 2; ++y)
       for (int x = -2; x <= 2; ++x) {

@@ -5,6 +5,7 @@
 // sculpting programs). In each direction it is the mean of the curvature by normals, (n' - n)(p' - p) / |p' - p|^2, and
 // of that by depth, 2 n (p' - p) / |p' - p|^2, which agree on a sphere. Positive: a valley.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/surfel.glsl"
 #include "shaders/shared/look.h"
 
@@ -28,7 +29,7 @@ float bendOver(RenderView view, Surfel here, ivec2 pixel, int radius_px, float p
 }
 
 void main() {
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const ivec2 size = pictureSize(view);
   const uint place = threadIndex();
   if (place >= uint(size.x * size.y)) return;
@@ -39,7 +40,7 @@ void main() {
     const float pixelSize = divisorAt(view, here.depth) / pixelFocal(view);
     const float slant = max(-dot(here.normal, normalize(sightTo(view, here.position))), 0.2);
     const int narrow_px =
-        clamp(int(round(kCavityRadii * args.frame.at[0].usualRadius / pixelSize)), 1, int(kCavityWidest_px));
+        clamp(int(round(kCavityRadii * frame.usualRadius / pixelSize)), 1, int(kCavityWidest_px));
     const float bend = bendOver(view, here, pixel, narrow_px, pixelSize, slant, 0) +
                        bendOver(view, here, pixel, narrow_px * int(kCavityScale), pixelSize, slant, 0.5);
     const float effect = bend * inversesqrt(bend * bend + kCavityHalf * kCavityHalf);

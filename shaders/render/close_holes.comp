@@ -5,6 +5,7 @@
 // closest of them. Slits and notches are open in some direction and stay. The source sample is only recorded here, and
 // looked up by later passes, so that no invocation reads what another one writes.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/view.glsl"
 
 layout(push_constant, scalar) uniform Push { CloseHolesArgs args; };
@@ -14,11 +15,11 @@ const ivec2 kDirections[8] = ivec2[8](ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), iv
 
 void main() {
   const uint place = threadIndex();
-  const uvec2 size = args.frame.at[0].view.size_px;
+  const uvec2 size = frame.view.size_px;
   if (place >= size.x * size.y) return;
   const ivec2 at = ivec2(place % size.x, place / size.x);
-  const float limit = uintBitsToFloat(args.depth.at[place]) - kHoleDepth * args.frame.at[0].usualRadius;
-  const int reach = int(args.frame.at[0].holeReach_px);
+  const float limit = uintBitsToFloat(args.depth.at[place]) - kHoleDepth * frame.usualRadius;
+  const int reach = int(frame.holeReach_px);
 
   uint source = place;
   int shortest = reach + 1;

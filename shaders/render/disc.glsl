@@ -1,6 +1,7 @@
 // A point as an oriented disc, and its fragment in each pixel: the same for all renderers.
 #ifndef PALPATE_RENDER_DISC_GLSL
 #define PALPATE_RENDER_DISC_GLSL
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/view.glsl"
 #include "shaders/shared/frame.h"
 

@@ -4,6 +4,7 @@
 // by how much nearer the samples around it are. Requires no normals, so it shapes bare points and unlit colours.
 // Samples on opposite sides count together, so that a plane keeps its colour, however it is tilted.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/view.glsl"
 #include "shaders/shared/look.h"
 
@@ -26,7 +27,7 @@ float rise(RenderView view, float depth, ivec2 at, ivec2 way) {
 const ivec2 kWays[4] = ivec2[4](ivec2(1, 0), ivec2(1, 1), ivec2(0, 1), ivec2(-1, 1));
 
 void main() {
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const uint place = threadIndex();
   if (place >= view.size_px.x * view.size_px.y) return;
   const uint bits = args.depth.at[args.source.at[place]];

@@ -7,6 +7,7 @@
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
 #include "shaders/render/color.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/shared/gaussians.h"
 
 layout(constant_id = 1) const uint kTile = kGaussianTile;
@@ -119,7 +120,7 @@ void write(RenderView view, uvec2 at_px, Pixel pixel) {
 void main() {
   const uint tile = workgroupIndex();
   if (tile >= args.tiles) return;
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const uvec2 size = view.size_px / view.supersample;
   const uvec2 corner = kTile * uvec2(tile % args.tilesAcross, tile / args.tilesAcross);
   const uvec2 inBins = corner / args.binSide_px;

@@ -4,6 +4,7 @@
 // 2023, section 4), where its point is now, and evaluates its colour for the direction of view. The covariance on
 // screen is that of two rows of a matrix, r0 and r1, so its determinant is a sum of squares, without cancellation.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/shown.glsl"
 #include "shaders/render/view.glsl"
 #include "shaders/shared/gaussians.h"
@@ -89,20 +90,20 @@ struct Placed {
 bool isGone(uint point) { return floatBitsToUint(args.now.positions.at[point].w) == kEmptySlot; }
 
 vec3 paint(uint point) {
-  const bool hasColors = (args.frame.at[0].shown & kShownColors) != 0;
-  return unpackUnorm4x8(paintOf(args.frame, hasColors ? args.now.colors.at[point] : kUnpainted)).rgb;
+  const bool hasColors = (frame.shown & kShownColors) != 0;
+  return unpackUnorm4x8(paintOf(hasColors ? args.now.colors.at[point] : kUnpainted)).rgb;
 }
 
 // A point that was added after loading.
 bool placeNew(uint point, out Placed placed) {
-  if (isGone(point) || isHidden(args.frame, point)) return false;
+  if (isGone(point) || isHidden(point)) return false;
   const vec3 normal = args.now.normals.at[point].xyz;
   const vec2 size = args.spacing * vec2(kNewGaussianWidth, kNewGaussianHeight);
   const vec3 x = normal == vec3(0) ? vec3(1, 0, 0) : anyAcross(normal);
   const vec3 z = normal == vec3(0) ? vec3(0, 0, 1) : normal;
   placed = Placed(args.now.positions.at[point].xyz,
                   mat3(size.x * x, size.x * cross(z, x), (normal == vec3(0) ? size.x : size.y) * z),
-                  kNewGaussianOpacity, tinted(args.frame, point, paint(point)));
+                  kNewGaussianOpacity, tinted(point, paint(point)));
   return true;
 }
 
@@ -111,7 +112,7 @@ bool place(uint i, RenderView view, out Placed placed) {
   placed.opacity = args.gaussians.at[i].opacity;
   placed.center = args.gaussians.at[i].center;
   placed.color = args.gaussians.at[i].color;
-  if (owner != kNoOwner && (isGone(point) || isHidden(args.frame, point))) return false;
+  if (owner != kNoOwner && (isGone(point) || isHidden(point))) return false;
   mat3 turn = kNoTurn;
   float growth = 1;
   if ((owner & kFarOwner) == 0) {
@@ -127,14 +128,14 @@ bool place(uint i, RenderView view, out Placed placed) {
     if (normal != normalNow || (from != to && besideFrom != besideTo))
       turn = turnOf(normal, normalNow, besideFrom, besideTo / growth);
     if (from != to || turn != kNoTurn || growth != 1) placed.center = to + growth * (turn * (placed.center - from));
-    const bool hasColors = (args.frame.at[0].shown & kShownColors) != 0;
+    const bool hasColors = (frame.shown & kShownColors) != 0;
     if (hasColors && args.now.colors.at[point] != args.loaded.colors.at[point]) placed.color = paint(point);
   }
   if (args.harmonicCount > 0) {
     const vec3 sight = view.isOrthographic != 0 ? view.forward : normalize(placed.center - view.eye);
     placed.color += harmonicsOf(i, sight * turn);  // in the axes of the file: the inverse of a rotation
   }
-  if ((owner & kFarOwner) == 0) placed.color = tinted(args.frame, point, placed.color);
+  if ((owner & kFarOwner) == 0) placed.color = tinted(point, placed.color);
   const mat3 axes = turn * rotationOf(args.gaussians.at[i].rotation);
   const vec3 scale = growth * args.gaussians.at[i].scale;
   placed.axes = mat3(scale.x * axes[0], scale.y * axes[1], scale.z * axes[2]);
@@ -180,7 +181,7 @@ bool project(RenderView view, Placed g, out ProjectedGaussian seen) {
 void main() {
   const uint i = threadIndex();
   if (i >= args.count) return;
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   Placed placed;
   ProjectedGaussian seen;
   const bool isPlaced =

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Darkens the background where it is the ground in shadow, seen from above.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/view.glsl"
 #include "shaders/shared/look.h"
 
@@ -15,7 +16,7 @@ float shadowAt(ivec2 cell) {
 }
 
 void main() {
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const uint place = threadIndex();
   if (place >= view.size_px.x * view.size_px.y || args.depth.at[args.source.at[place]] != kNoDepth) return;
   const vec2 place_px = vec2(place % view.size_px.x, place / view.size_px.x) + 0.5;

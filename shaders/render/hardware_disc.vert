@@ -3,6 +3,7 @@
 // The discs of a cloud for the graphics pipeline: a point sprite over the disc's box of pixels, or a square of sprites
 // if the GPU's maximum point size is too small for the largest disc.
 #define HARDWARE_DISC out
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/hardware_disc.glsl"
 #include "shaders/render/shown.glsl"
 
@@ -18,12 +19,12 @@ void main() {
   gl_PointSize = 1;
   const uint shares = args.tiles * args.tiles;
   const uint point = gl_VertexIndex / shares;
-  if (point >= args.count || !isDisc(args.frame, point)) return;
-  const RenderView view = args.frame.at[0].view;
+  if (point >= args.count || !isDisc(point)) return;
+  const RenderView view = frame.view;
   Disc disc;
   if (!placeDisc(view, args.positions.at[point].xyz, disc)) return;
-  if (!orientDisc(view, args.normals.at[point], args.clips.at[point], args.frame.at[0].splatRadius,
-                  args.frame.at[0].hidesBacks, disc))
+  if (!orientDisc(view, args.normals.at[point], args.clips.at[point], frame.splatRadius,
+                  frame.hidesBacks, disc))
     return;
   PixelBox box = boxOf(view, disc);
   const uint share = gl_VertexIndex % shares;
@@ -44,5 +45,5 @@ void main() {
   drawn.shading = disc.shading;
   drawn.centerPixel = disc.centerPixel;
   drawn.box = ivec4(box.first, box.last);
-  drawn.color = args.frame.at[0].hasColors != 0 ? shownColor(args.frame, args.colors, point) : 0;
+  drawn.color = frame.hasColors != 0 ? shownColor(args.colors, point) : 0;
 }

@@ -4,18 +4,19 @@
 // Converts the attachments of the graphics pipeline into the depths and sums that the later passes read, in the form in
 // which splat_depth.comp and splat_attributes.comp write them.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/sums.glsl"
 #include "shaders/shared/hardware_raster.h"
 
 layout(push_constant, scalar) uniform Push { HardwareSumsArgs args; };
 
-layout(set = 0, binding = 0) uniform texture2D depths;
-layout(set = 0, binding = 1) uniform texture2D normals;
-layout(set = 0, binding = 2) uniform texture2D colors;  // any texture, for a cloud without colours
+layout(set = 1, binding = 0) uniform texture2D depths;
+layout(set = 1, binding = 1) uniform texture2D normals;
+layout(set = 1, binding = 2) uniform texture2D colors;  // any texture, for a cloud without colours
 
 void main() {
   const uint place = threadIndex();
-  const uvec2 size = args.frame.at[0].view.size_px;
+  const uvec2 size = frame.view.size_px;
   if (place >= size.x * size.y) return;
   const ivec2 at = ivec2(place % size.x, place / size.x);
   const float depth = texelFetch(depths, at, 0).r;
@@ -24,6 +25,6 @@ void main() {
   const vec4 normal = texelFetch(normals, at, 0);
   const float scale = normal.w > 0 ? kHardwareWeight / normal.w : 0;
   storeNormal(args.normalSums, place, normal, scale);
-  if (args.frame.at[0].hasColors == 0) return;
+  if (frame.hasColors == 0) return;
   storeColor(args.colorSums, place, size.x * size.y, texelFetch(colors, at, 0).rgb, scale);
 }

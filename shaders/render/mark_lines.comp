@@ -4,6 +4,7 @@
 // width in pixels around the segment between its ends; coverage of a pixel follows from the distance of its middle to
 // the segment, with a ramp of one pixel at the edge.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/view.glsl"
 
 layout(push_constant, scalar) uniform Push { LineArgs args; };
@@ -32,7 +33,7 @@ void mark(RenderView view, uvec2 size, ivec2 pixel, vec3 a, vec3 b, RenderLine l
 void main() {
   const uint number = threadIndex() / kLineWalkers, walker = threadIndex() % kLineWalkers;
   if (number >= args.count) return;
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const uvec2 size = view.size_px / view.supersample;
   const RenderLine line = args.lines.at[number];
   const vec3 a = placeInPicture(view, line.from), b = placeInPicture(view, line.to);

@@ -5,6 +5,7 @@
 // accurate indirect occlusion", section 3), divided by that of an open plane, so that planes are not darkened. Surfaces
 // farther than the radius do not count.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/pattern.glsl"
 #include "shaders/render/surfel.glsl"
 #include "shaders/shared/look.h"
@@ -17,7 +18,7 @@ const float kPi = 3.14159265;
 float skyUpTo(float angle, float normal) { return cos(normal) + 2 * angle * sin(normal) - cos(2 * angle - normal); }
 
 void main() {
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const ivec2 size = pictureSize(view);
   const uint place = threadIndex();
   if (place >= uint(size.x * size.y)) return;
@@ -27,12 +28,12 @@ void main() {
   if (!isSurface(here)) return;
   const float pixelSize = divisorAt(view, here.depth) / pixelFocal(view);
   const float reach_px =
-      min(kSkyRadius * args.frame.at[0].occlusionRadius / pixelSize, kHorizonReach * float(size.y));
+      min(kSkyRadius * frame.occlusionRadius / pixelSize, kHorizonReach * float(size.y));
   if (!(reach_px >= 1)) return;
   const float reach = reach_px * pixelSize;
   const vec3 toEye = -normalize(sightTo(view, here.position));
   const vec3 from =
-      here.position + (kHorizonLift * args.frame.at[0].usualRadius + 1e-3 * pixelSize) * here.normal;
+      here.position + (kHorizonLift * frame.usualRadius + 1e-3 * pixelSize) * here.normal;
   const float turn = (float(rankOf(pixel)) + 0.5) / 16;
 
   float visible = 0, open = 0;

@@ -6,6 +6,7 @@
 // pixels, and one with overlays repeats the pixels that they may cover: overlays get at least four samples per pixel
 // even if the surface has one.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/overlays.glsl"
 
 layout(constant_id = 1) const uint kLaysOver = 0;
@@ -21,7 +22,7 @@ float ditherAt(uvec2 pixel) {
 }
 
 void main() {
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const uvec2 size = view.size_px / view.supersample;
   const uint thread = threadIndex();
   if (thread >= args.size_px.x * args.size_px.y) return;
@@ -39,11 +40,11 @@ void main() {
     const uint depth = args.depth.at[isOwn ? at : args.source.at[at]];
     vec4 light = vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y));
     if (overlays)
-      light = overlaid(view, args.frame.at[0].overlays, place_px, uintBitsToFloat(depth), light);
+      light = overlaid(view, frame.overlays, place_px, uintBitsToFloat(depth), light);
     sum += clamp(light, 0, 1);
     nearest = min(nearest, depth);
   }
-  const float dither = args.frame.at[0].imagePass == kPassFinal ? ditherAt(pixel) : 0;
+  const float dither = frame.imagePass == kPassFinal ? ditherAt(pixel) : 0;
   const vec3 color = sum.a > 0 ? toEncoded(sum.rgb / sum.a) + dither : vec3(0);
   args.image.at[place] = packUnorm4x8(vec4(color, sum.a / float(split * split)));
   args.depthImage.at[place] = nearest == kNoDepth ? 0 : uintBitsToFloat(nearest);

@@ -5,6 +5,7 @@
 #include "shaders/lib/index.glsl"
 #include "shaders/render/color.glsl"
 #include "shaders/render/depth_slope.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/materials.glsl"
 #include "shaders/render/occlusion.glsl"
 #include "shaders/render/sums.glsl"
@@ -20,36 +21,36 @@ layout(push_constant, scalar) uniform Push { ShadeArgs args; };
 
 // The surface's own colour, linear light. `place` is the sample whose sums count.
 vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
-  const uint colorBy = args.frame.at[0].colorBy;
-  const vec3 low = args.frame.at[0].boundsMin, high = args.frame.at[0].boundsMax;
-  const float near = args.frame.at[0].depthMin, far = args.frame.at[0].depthMax;
+  const uint colorBy = frame.colorBy;
+  const vec3 low = frame.boundsMin, high = frame.boundsMax;
+  const float near = frame.depthMin, far = frame.depthMax;
   if (colorBy == kColorByNormal) return toLinear(0.5 + 0.5 * normal);
-  const uint map = args.frame.at[0].colorMap;
+  const uint map = frame.colorMap;
   if (colorBy == kColorByDepth) return toLinear(rampColor(map, (far - depth) / max(far - near, 1e-30)));
   if (colorBy == kColorByHeight) {
-    const vec3 up = args.frame.at[0].up;
+    const vec3 up = frame.up;
     const float bottom = min(dot(low, up), dot(high, up)), top = max(dot(low, up), dot(high, up));
     return toLinear(rampColor(map, (dot(position, up) - bottom) / max(top - bottom, 1e-30)));
   }
-  if (args.frame.at[0].hasColors == 0) return args.frame.at[0].baseColor;
-  const uvec2 size = args.frame.at[0].view.size_px;
+  if (frame.hasColors == 0) return frame.baseColor;
+  const uvec2 size = frame.view.size_px;
   return toLinear(colorAt(args.colorSums, place, size.x * size.y) / max(weightAt(args.normalSums, place), 1));
 }
 
 // Light of a sample at `place_px` whose surface is that of the sample `place`.
 vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
-  const uint imagePass = args.frame.at[0].imagePass;
+  const uint imagePass = frame.imagePass;
   const vec3 inEye = pointAt(view, place_px, depth);
   const vec3 sight = sightTo(view, inEye);
   const vec3 position = view.eye + fromEye(view, inEye);
   const ivec2 pixel = ivec2(place % view.size_px.x, place / view.size_px.x);
-  vec3 normal = args.frame.at[0].smooth_px == 0 ? normalAt(args.normalSums, place)
+  vec3 normal = frame.smooth_px == 0 ? normalAt(args.normalSums, place)
                                                 : fromEye(view, normalFromDepth(view, args.depth, pixel));
   const vec3 away = view.isOrthographic != 0 ? view.forward : position - view.eye;
   normal = dot(normal, normal) > 0 ? normalize(normal) : -normalize(away);
 
-  const vec3 low = args.frame.at[0].boundsMin, high = args.frame.at[0].boundsMax;
-  const float near = args.frame.at[0].depthMin, far = args.frame.at[0].depthMax;
+  const vec3 low = frame.boundsMin, high = frame.boundsMax;
+  const float near = frame.depthMin, far = frame.depthMax;
   if (imagePass == kPassDepth || imagePass == kPassSmoothDepth)
     return toLinear(vec3(mix(0.15, 1, clamp((far - depth) / max(far - near, 1e-30), 0, 1))));
   if (imagePass == kPassNormal) return toLinear(0.5 + 0.5 * normal);
@@ -62,21 +63,21 @@ vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   if (any(has)) relief = atSample(view, args.access, args.cavity, has, args.surfels, uvec2(place_px), depth);
   const float access = has.x ? pow(relief.x, kOcclusionPower)
                              : opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
-                                          args.frame.at[0].occlusionRadius, args.frame.at[0].usualRadius);
+                                          frame.occlusionRadius, frame.usualRadius);
   if (kRelief == 0) return lit(albedo, toEye(view, normal), -normalize(sight), access);
-  return relief.y * litAs(args.frame.at[0].material, albedo, toEye(view, normal), -normalize(sight), access);
+  return relief.y * litAs(frame.material, albedo, toEye(view, normal), -normalize(sight), access);
 }
 
 void main() {
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const uint place = threadIndex();
   if (place >= view.size_px.x * view.size_px.y) return;
   const vec2 place_px = vec2(place % view.size_px.x, place / view.size_px.x) + 0.5;
   const uint source = args.source.at[place];
   const uint bits = args.depth.at[source];
-  const vec4 light = bits == kNoDepth ? vec4(mix(args.frame.at[0].backgroundTop, args.frame.at[0].backgroundBottom,
+  const vec4 light = bits == kNoDepth ? vec4(mix(frame.backgroundTop, frame.backgroundBottom,
                                                  place_px.y / float(view.size_px.y)),
-                                             args.frame.at[0].backgroundOpacity)
+                                             frame.backgroundOpacity)
                                       : vec4(surfaceAt(view, source, place_px, uintBitsToFloat(bits)), 1);
   args.shaded.at[place] = uvec2(packHalf2x16(light.rg), packHalf2x16(light.ba));
 }

@@ -5,12 +5,13 @@
 // slope of that plane is the gentler one of the two sides along each axis. Samples of the background do not change.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/depth_slope.glsl"
+#include "shaders/render/frame_block.glsl"
 
 layout(push_constant, scalar) uniform Push { SmoothDepthArgs args; };
 
 void main() {
   const uint place = threadIndex();
-  const uvec2 size = args.frame.at[0].view.size_px;
+  const uvec2 size = frame.view.size_px;
   if (place >= size.x * size.y) return;
   const uint bits = args.depth.at[place];
   if (bits == kNoDepth) {
@@ -20,9 +21,9 @@ void main() {
   const ivec2 at = ivec2(place % size.x, place / size.x);
   const float depth = uintBitsToFloat(bits);
   const vec2 slope = depthSlope(args.depth, size, at, depth);
-  const int reach = int(args.frame.at[0].smooth_px);
+  const int reach = int(frame.smooth_px);
   const float wide = 2.0 / float(reach * reach);  // the window ends at two standard deviations
-  const float deep = 1 / (kSmoothBand * args.frame.at[0].usualRadius);
+  const float deep = 1 / (kSmoothBand * frame.usualRadius);
   float sum = 0, weights = 0;
   for (int y = -reach; y <= reach; ++y)
     for (int x = -reach; x <= reach; ++x) {

@@ -4,6 +4,7 @@
 #define PALPATE_RENDER_SPLAT_GLSL
 #include "shaders/lib/index.glsl"
 #include "shaders/render/disc.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/shared/splat_radius.h"
 
 layout(push_constant, scalar) uniform Push { SplatArgs args; };
@@ -18,10 +19,10 @@ float lotOf(uint point) {
 // Share of the points that are drawn for discs of this radius; above 1 all are.
 float detailOf(float radius_px) {
   const float finer = radius_px / kFinestSplat;
-  return args.frame.at[0].everyPoint != 0 ? 2 : kDetailCover * finer * finer;
+  return frame.everyPoint != 0 ? 2 : kDetailCover * finer * finer;
 }
 
-float commonRadius() { return args.frame.at[0].splatRadius; }
+float commonRadius() { return frame.splatRadius; }
 
 // The radius of the widest disc among those of this point and its neighbours in memory, or of all.
 float widthAround(uint point) {
@@ -42,12 +43,12 @@ bool loadDisc(RenderView view, uint point, out Disc disc) {
   if (!placeDisc(view, args.positions.at[point].xyz, disc)) return false;
   const float lot = lotOf(point);
   const float unitPx = view.focal_px / divisorAt(view, disc.center.z);
-  const uint hidesBacks = args.frame.at[0].hidesBacks;
+  const uint hidesBacks = frame.hidesBacks;
   if (!orientDisc(view, args.normals.at[point], args.clips.at[point], commonRadius(), hidesBacks, disc)) return false;
   const float detail = detailOf(disc.radius * unitPx);
   if (lot >= detail) return false;
   disc.trust *= min(4 * (1 - lot / detail), 1);
-  if (args.frame.at[0].everyPoint == 0) disc.radius = max(disc.radius, kFinestSplat / unitPx);
+  if (frame.everyPoint == 0) disc.radius = max(disc.radius, kFinestSplat / unitPx);
   return true;
 }
 
@@ -85,7 +86,7 @@ bool loadSplat(RenderView view, bool large, out Splat splat) {
     const uint share = thread / kSplatWalkers;
     sharesOfEach = args.counts.at[0].sharesOfEach;
     if (share >= (sharesOfEach > 0 ? args.counts.at[0].large * sharesOfEach : args.counts.at[0].shares)) return false;
-    const uint last = args.frame.at[0].count - 1;
+    const uint last = frame.count - 1;
     const uvec2 entry = sharesOfEach > 0 ? uvec2(args.picked.at[last - share / sharesOfEach], share % sharesOfEach)
                                          : args.shares.at[share];
     splat.point = entry.x;

@@ -7,6 +7,7 @@
 // their position and their lot show: a workgroup looks at those of several points for each invocation, whose reads are
 // in flight together, and measures the discs of the others side by side.
 #include "shaders/lib/subgroup_reduce.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/shown.glsl"
 #include "shaders/render/splat.glsl"
 
@@ -70,7 +71,7 @@ void listSplats(RenderView view, uint candidate) {
   barrier();
   if (seen && !large) args.picked.at[starts.x + before.x + subgroupBallotExclusiveBitCount(smalls)] = point;
   const uint fromEnd = starts.y + before.y + subgroupBallotExclusiveBitCount(larges);
-  if (large) args.picked.at[args.frame.at[0].count - 1 - fromEnd] = point;
+  if (large) args.picked.at[frame.count - 1 - fromEnd] = point;
   // Each invocation of the subgroup writes every gl_SubgroupSize-th share: one disc may have thousands.
   const uint first = starts.z + before.z;
   for (uint i = gl_SubgroupInvocationID; i < sharesInAll && first + i < kMaxShares; i += gl_SubgroupSize) {
@@ -85,9 +86,9 @@ void listSplats(RenderView view, uint candidate) {
 void main() {
   if (gl_LocalInvocationIndex == 0) candidateCount = smallsHere = largesHere = sharesHere = 0;
   barrier();
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const uint first = workgroupIndex() * gl_WorkGroupSize.x * kPickPoints + gl_LocalInvocationIndex;
-  const uint end = args.frame.at[0].count;
+  const uint end = frame.count;
   vec3 positions[kPickPoints];
   [[unroll]] for (uint k = 0; k < kPickPoints; ++k) {
     const uint point = first + k * gl_WorkGroupSize.x;
@@ -95,7 +96,7 @@ void main() {
   }
   [[unroll]] for (uint k = 0; k < kPickPoints; ++k) {
     const uint point = first + k * gl_WorkGroupSize.x;
-    listCandidates(point < end && mayBeDrawn(view, point, positions[k]) && isDisc(args.frame, point), point);
+    listCandidates(point < end && mayBeDrawn(view, point, positions[k]) && isDisc(point), point);
   }
   barrier();
   // Every round but the last is full.

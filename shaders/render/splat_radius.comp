@@ -7,6 +7,7 @@
 // The result depends on the points in the cells around this one alone, in the order of their ids, and not on what else
 // is in their buckets: an edit changes only discs near it.
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/shared/frame.h"
 #include "shaders/shared/splat_radius.h"
 

@@ -3,6 +3,7 @@
 // The surface element of every pixel of the picture.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/depth_slope.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/sums.glsl"
 #include "shaders/render/surfel.glsl"
 #include "shaders/shared/look.h"
@@ -10,7 +11,7 @@
 layout(push_constant, scalar) uniform Push { SurfelArgs args; };
 
 void main() {
-  const RenderView view = args.frame.at[0].view;
+  const RenderView view = frame.view;
   const ivec2 size = pictureSize(view);
   const uint pixel = threadIndex();
   if (pixel >= uint(size.x * size.y)) return;
@@ -20,7 +21,7 @@ void main() {
   vec3 normal = vec3(0, 0, -1);
   if (bits != kNoDepth) {
     const ivec2 there = ivec2(source % view.size_px.x, source / view.size_px.x);
-    normal = args.frame.at[0].smooth_px == 0 ? toEye(view, normalAt(args.normalSums, source))
+    normal = frame.smooth_px == 0 ? toEye(view, normalAt(args.normalSums, source))
                                              : normalFromDepth(view, args.depth, there);
     normal = dot(normal, normal) > 0 ? normalize(normal) : -normalize(rayThrough(view, vec2(at) + 0.5));
   }

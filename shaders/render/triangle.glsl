@@ -3,6 +3,7 @@
 #ifndef PALPATE_RENDER_TRIANGLE_GLSL
 #define PALPATE_RENDER_TRIANGLE_GLSL
 #include "shaders/lib/index.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/view.glsl"
 
 layout(push_constant, scalar) uniform Push { TriangleArgs args; };
@@ -36,7 +37,7 @@ bool loadTriangle(RenderView view, uint number, out Triangle t) {
     high = max(high, t.corners_px[k]);
   }
   t.normal = cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]);
-  if (args.frame.at[0].hidesBacks != 0 && dot(t.normal, sightTo(view, t.corners[0])) < 0) return false;
+  if (frame.hidesBacks != 0 && dot(t.normal, sightTo(view, t.corners[0])) < 0) return false;
   // Sample k has its middle at k + 0.5.
   t.first = max(ivec2(ceil(low - 0.5)), ivec2(0));
   t.last = min(ivec2(floor(high - 0.5)), ivec2(view.size_px) - 1);

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // A mesh in compute, pass 2: the nearest triangle of a sample, or the few that meet there, add their normals and
 // colours. Sums are integers, so that their order does not matter.
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/shown.glsl"
 #include "shaders/render/sums.glsl"
 #include "shaders/render/triangle.glsl"
@@ -22,13 +23,13 @@ vec3 shadingNormal(RenderView view, Triangle t, Hit hit, vec3 toViewer) {
 }
 
 void main() {
-  const RenderView view = args.frame.at[0].view;
-  const uint sharers = args.frame.at[0].triangleTiles * args.frame.at[0].triangleTiles;
+  const RenderView view = frame.view;
+  const uint sharers = frame.triangleTiles * frame.triangleTiles;
   const uint number = threadIndex() / sharers;
   Triangle t;
-  if (number >= args.frame.at[0].count || !loadTriangle(view, number, t)) return;
-  const float scale = args.frame.at[0].sumScale;
-  const bool hasColors = args.frame.at[0].hasColors != 0;
+  if (number >= frame.count || !loadTriangle(view, number, t)) return;
+  const float scale = frame.sumScale;
+  const bool hasColors = frame.hasColors != 0;
   for (uint tile = threadIndex() % sharers; tile < t.tiles.x * t.tiles.y; tile += sharers) {
     const ivec2 first = t.first + ivec2(tile % t.tiles.x, tile / t.tiles.x) * int(kTriangleTile);
     const ivec2 last = min(t.last, first + int(kTriangleTile) - 1);
@@ -43,7 +44,7 @@ void main() {
         if (!hasColors) continue;
         vec3 color = vec3(0);
         for (uint k = 0; k < 3; ++k)
-          color += hit.shares[k] * unpackUnorm4x8(paintOf(args.frame, args.vertices.at[t.vertices[k]].color)).rgb;
+          color += hit.shares[k] * unpackUnorm4x8(paintOf(args.vertices.at[t.vertices[k]].color)).rgb;
         addColor(args.colorSums, place, view.size_px.x * view.size_px.y, 1, color, scale);
       }
   }

@@ -1,14 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // A mesh in compute, pass 1: the nearest depth of every sample.
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/triangle.glsl"
 
 void main() {
-  const RenderView view = args.frame.at[0].view;
-  const uint sharers = args.frame.at[0].triangleTiles * args.frame.at[0].triangleTiles;
+  const RenderView view = frame.view;
+  const uint sharers = frame.triangleTiles * frame.triangleTiles;
   const uint number = threadIndex() / sharers;
   Triangle t;
-  if (number >= args.frame.at[0].count || !loadTriangle(view, number, t)) return;
+  if (number >= frame.count || !loadTriangle(view, number, t)) return;
   for (uint tile = threadIndex() % sharers; tile < t.tiles.x * t.tiles.y; tile += sharers) {
     const ivec2 first = t.first + ivec2(tile % t.tiles.x, tile / t.tiles.x) * int(kTriangleTile);
     const ivec2 last = min(t.last, first + int(kTriangleTile) - 1);

@@ -3,15 +3,16 @@
 // Water, pass 1: the nearest ball at each pixel, and the sum of their thickness as far as what is not water. A ball is
 // larger than the volume of its particle, so that it counts by its share. A few invocations walk a ball's pixels.
 #include "shaders/render/disc.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/shown.glsl"
 #include "shaders/render/water.glsl"
 
 void main() {
-  const RenderView samples = args.frame.at[0].view;
+  const RenderView samples = frame.view;
   const RenderView view = pictureView(samples);
   const uint point = threadIndex() / kWaterWalkers;
   const int walker = int(threadIndex() % kWaterWalkers);
-  if (point >= args.count || isHidden(args.frame, point)) return;
+  if (point >= args.count || isHidden(point)) return;
   const vec3 center = toEye(view, args.positions.at[point].xyz - view.eye);
   const float radius = ballAt(view, center.z) * divisorAt(view, center.z) / view.focal_px;
   const float shallow = center.z - radius;

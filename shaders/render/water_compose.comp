@@ -3,6 +3,7 @@
 // Water, pass 5: the light of every sample. Behind the surface is what is not water, shifted by the slope of the
 // surface and absorbed over the thickness; the surface reflects the sky.
 #include "shaders/render/depth_slope.glsl"
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/materials.glsl"
 #include "shaders/render/water.glsl"
 
@@ -25,7 +26,7 @@ vec4 lightAt(uint place) {
 float depthBehind(uint place) { return uintBitsToFloat(args.depth.at[args.source.at[place]]); }
 
 void main() {
-  const RenderView samples = args.frame.at[0].view;
+  const RenderView samples = frame.view;
   const RenderView view = pictureView(samples);
   const uint place = threadIndex();
   if (place >= samples.size_px.x * samples.size_px.y) return;

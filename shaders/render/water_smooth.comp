@@ -4,6 +4,7 @@
 // the narrow-range filter of Truong and Yuksel: what is far in front does not count, nor what is opposite of it, and
 // what is far behind counts as a little behind, so that rims are round. The surface stays close to the particles.
 // A pixel without a ball receives the depth of those beside it: the smoothed cover tells whether it is water.
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/water.glsl"
 
 layout(constant_id = 1) const uint kAlongColumns = 0;
@@ -40,7 +41,7 @@ void admit(inout float depth, inout float weight, inout float opposite, inout fl
 }
 
 void main() {
-  const RenderView view = pictureView(args.frame.at[0].view);
+  const RenderView view = pictureView(frame.view);
   const ivec2 size = ivec2(view.size_px);
   const uint place = threadIndex();
   if (place >= uint(size.x * size.y)) return;
@@ -49,7 +50,7 @@ void main() {
   if (kAlongColumns != 0) step = ivec2(0, 1);  // Mesa mistakes a specialised choice between vectors
   const Water here = waterAt(size, at);
   const bool isSurface = here.depth < kBackground;
-  const float usual = 0.5 * (args.frame.at[0].depthMin + args.frame.at[0].depthMax);
+  const float usual = 0.5 * (frame.depthMin + frame.depthMax);
   const float deviation = kWaterSmooth * ballAt(view, isSurface ? here.depth : usual);
   const int reach = int(min(ceil(kWaterWindow * deviation), float(kMaxWaterReach_px)));
   const float fall = -0.5 / (deviation * deviation);

@@ -2,10 +2,11 @@
 #extension GL_GOOGLE_include_directive : require
 // Water, pass 4: the smoothed depths, averaged once more over a small square around each pixel, without what is far
 // from it: rows and columns by themselves leave streaks.
+#include "shaders/render/frame_block.glsl"
 #include "shaders/render/water.glsl"
 
 void main() {
-  const RenderView view = pictureView(args.frame.at[0].view);
+  const RenderView view = pictureView(frame.view);
   const ivec2 size = ivec2(view.size_px);
   const uint place = threadIndex();
   if (place >= uint(size.x * size.y)) return;

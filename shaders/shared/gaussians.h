@@ -88,7 +88,6 @@ struct GaussianPoints {
 PALPATE_SIZE(GaussianPoints, 24);
 
 struct GaussianProjectArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Gaussians) gaussians;
   PALPATE_ADDRESS(Uints) harmonics;  // (3 harmonicCount + 1) / 2 each: half floats, red green blue of each harmonic
   GaussianPoints now;
@@ -103,7 +102,7 @@ struct GaussianProjectArgs {
   float spacing;       // of the points, model units
   uint unused;
 };
-PALPATE_SIZE(GaussianProjectArgs, 120);
+PALPATE_SIZE(GaussianProjectArgs, 112);
 const uint kNotProjected = 0xffffffffu;
 
 // A list of a bin is a bit for each Gaussian, nearest first.
@@ -123,7 +122,6 @@ struct GaussianBinArgs {
 PALPATE_SIZE(GaussianBinArgs, 64);
 
 struct GaussianBlendArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(ProjectedGaussians) projected;
   PALPATE_ADDRESS(Uints) order;
   PALPATE_ADDRESS(Vec4s) boxes;
@@ -137,7 +135,7 @@ struct GaussianBlendArgs {
   uint tiles;
   uint unused;
 };
-PALPATE_SIZE(GaussianBlendArgs, 80);
+PALPATE_SIZE(GaussianBlendArgs, 72);
 
 PALPATE_SHARED_END
 #endif

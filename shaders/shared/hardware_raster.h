@@ -13,7 +13,6 @@ PALPATE_SHARED_BEGIN
 const float kHardwareWeight = 1 << 20;
 
 struct HardwareDiscArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Vec4s) positions;  // as in SplatArgs, like the next three
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(Uints) colors;
@@ -28,17 +27,16 @@ struct HardwareDiscArgs {
   uint largestPoint_px;  // maximum side of a point sprite
   uint tiles;            // of that size, along each side of a disc's box; one vertex for each
 };
-PALPATE_SIZE(HardwareDiscArgs, 80);
+PALPATE_SIZE(HardwareDiscArgs, 72);
 
 struct HardwareSumsArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Uints) depth;  // as in SplatArgs, like the sums
   PALPATE_ADDRESS(Uints) normalSums;
   PALPATE_ADDRESS(Uints) colorSums;
   float depthUnit;  // 1 / depthScale
   uint unused;
 };
-PALPATE_SIZE(HardwareSumsArgs, 40);
+PALPATE_SIZE(HardwareSumsArgs, 32);
 
 PALPATE_SHARED_END
 #endif

@@ -45,37 +45,33 @@ const float kGroundStrength = 0.8f;
 const float kGroundFade = 0.25f;  // share of the map's side, at its borders, over which the shadow fades out
 
 struct SurfelArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Uints) source;  // as in ShadeArgs, like the next two
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(Uints) normalSums;
   PALPATE_ADDRESS(UVec2s)
   surfels;  // out, one per pixel: bits of the depth, and the normal (shaders/render/surfel.glsl)
 };
-PALPATE_SIZE(SurfelArgs, 40);
+PALPATE_SIZE(SurfelArgs, 32);
 
 struct OcclusionArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(UVec2s) surfels;
   PALPATE_ADDRESS(Floats) from;  // of the blur: one per pixel
   PALPATE_ADDRESS(Floats) to;    // out: share of the sky that reaches the surface
 };
-PALPATE_SIZE(OcclusionArgs, 32);
+PALPATE_SIZE(OcclusionArgs, 24);
 
 struct CavityArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(UVec2s) surfels;
   PALPATE_ADDRESS(Floats) cavity;  // out, one per pixel: factor on the light
 };
-PALPATE_SIZE(CavityArgs, 24);
+PALPATE_SIZE(CavityArgs, 16);
 
 struct EyeDomeArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Uints) source;
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(UVec2s) shaded;  // in and out
 };
-PALPATE_SIZE(EyeDomeArgs, 32);
+PALPATE_SIZE(EyeDomeArgs, 24);
 
 // A square map of the ground. Heights are above it, model units.
 struct GroundMap {
@@ -110,13 +106,12 @@ PALPATE_SIZE(GroundShadowArgs, 88);
 
 struct GroundArgs {
   GroundMap map;
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Uints) source;
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(UVec2s) shaded;  // in and out
   PALPATE_ADDRESS(Floats) shadow;
 };
-PALPATE_SIZE(GroundArgs, 104);
+PALPATE_SIZE(GroundArgs, 96);
 
 PALPATE_SHARED_END
 #endif

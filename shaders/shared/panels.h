@@ -55,8 +55,10 @@ struct PanelComposeArgs {
   uint blueFirst;   // not 0: blue is in the lowest byte of `shown`
   uint shrink;      // pixels along each side that one pixel of the picture covers; more than 1: interpolated
   uint pictureWidth_px;
+  uvec2 squares;  // of shrink x shrink pixels, across and down
 };
-PALPATE_SIZE(PanelComposeArgs, 48);
+PALPATE_SIZE(PanelComposeArgs, 56);
+const uint kPanelNothing = 0xffff0000u;  // second word of the layer where all light from below comes through
 
 PALPATE_SHARED_END
 #endif

@@ -142,8 +142,7 @@ struct RenderOverlays {
 };
 PALPATE_SIZE(RenderOverlays, 144);
 
-// One frame's constants. The parts that shaders load as a whole come first: the validation layer of Debian 12
-// overestimates the size of such a load and reports one at the end of a buffer.
+// The constants of a picture (shaders/render/frame_block.glsl).
 struct RenderFrame {
   RenderView view;
   RenderOverlays overlays;
@@ -184,7 +183,6 @@ struct RenderFrame {
 PALPATE_SIZE(RenderFrame, 80 + 144 + 44 + 40 + 52 + 64);
 
 #ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RenderFrames { RenderFrame at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Floats { float at[]; };
 #endif
 
@@ -205,7 +203,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer SplatCountsA
 #endif
 
 struct SplatArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(SplatCountsAt) counts;  // one
   PALPATE_ADDRESS(Uints) picked;          // one per point: small splats from the front, large ones from the back
   PALPATE_ADDRESS(UVec2s) shares;         // kMaxShares: point and tile
@@ -220,7 +217,7 @@ struct SplatArgs {
   uint turn;                          // round of those that walk splats
   uint unused;
 };
-PALPATE_SIZE(SplatArgs, 104);
+PALPATE_SIZE(SplatArgs, 96);
 
 struct SplatPlanArgs {
   PALPATE_ADDRESS(SplatCountsAt) counts;
@@ -232,31 +229,27 @@ PALPATE_SIZE(SplatPlanArgs, 24);
 
 // Triangles are drawn by tiles, like splats; a triangle with more tiles than invocations is walked in several rounds.
 struct TriangleArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(MeshVertices) vertices;
   PALPATE_ADDRESS(Uints) triangles;
   PALPATE_ADDRESS(Uints) depth;  // as in SplatArgs, like the sums
   PALPATE_ADDRESS(Uints) normalSums;
   PALPATE_ADDRESS(Uints) colorSums;
 };
-PALPATE_SIZE(TriangleArgs, 48);
+PALPATE_SIZE(TriangleArgs, 40);
 
 struct CloseHolesArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(Uints) source;  // one per sample: the sample whose surface it shows, usually itself
 };
-PALPATE_SIZE(CloseHolesArgs, 24);
+PALPATE_SIZE(CloseHolesArgs, 16);
 
 struct SmoothDepthArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(Uints) smoothed;  // one per sample, like the depth
 };
-PALPATE_SIZE(SmoothDepthArgs, 24);
+PALPATE_SIZE(SmoothDepthArgs, 16);
 
 struct ShadeArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Uints) source;
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(Uints) normalSums;
@@ -267,10 +260,9 @@ struct ShadeArgs {
   PALPATE_ADDRESS(Floats) access;
   PALPATE_ADDRESS(Floats) cavity;
 };
-PALPATE_SIZE(ShadeArgs, 72);
+PALPATE_SIZE(ShadeArgs, 64);
 
 struct ResolveArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Uints) source;  // null: each sample shows its own surface
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(UVec2s) shaded;
@@ -279,7 +271,7 @@ struct ResolveArgs {
   uvec2 first_px;                      // the rectangle of pixels to resolve
   uvec2 size_px;
 };
-PALPATE_SIZE(ResolveArgs, 64);
+PALPATE_SIZE(ResolveArgs, 56);
 
 // Thin lines in space, clipped at the border of the picture. The maximum width is kWidestLine_px; each line is walked
 // by kLineWalkers invocations, side by side.
@@ -301,7 +293,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Ren
 #endif
 
 struct LineArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(RenderLines) lines;
   PALPATE_ADDRESS(Uints) marks;        // one per pixel: opacity of the line there, then its colour; 0: none
   PALPATE_ADDRESS(Floats) depthImage;  // as in ResolveArgs, like the image
@@ -309,7 +300,7 @@ struct LineArgs {
   uint count;  // lines
   uint unused;
 };
-PALPATE_SIZE(LineArgs, 48);
+PALPATE_SIZE(LineArgs, 40);
 
 PALPATE_SHARED_END
 #endif

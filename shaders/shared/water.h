@@ -38,7 +38,6 @@ const float kWaterBend = 0.25f;
 const float kMaxWaterBend_px = 64;
 
 struct WaterArgs {
-  PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Uints) source;  // of what is not water, as in ShadeArgs, like the depth
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(Vec4s) positions;
@@ -57,7 +56,7 @@ struct WaterArgs {
   float side;                        // longest side of the model, model units: unit of thickness
   uint unused;
 };
-PALPATE_SIZE(WaterArgs, 112);
+PALPATE_SIZE(WaterArgs, 104);
 
 PALPATE_SHARED_END
 #endif

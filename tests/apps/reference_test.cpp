@@ -125,7 +125,7 @@ TEST_CASE("each key that a command writes with --json is in the reference, with 
       {"bench edit", "bench edit --sizes 2000 --touched 50 --repeat 5 --backend cpu"},
       {"bench matter", "bench matter --sizes 500 --matter soft --repeat 5 --backend cpu"},
       {"bench read", "bench read " + model + " --repeat 5"},
-      {"bench select", "bench select --sizes 500 --repeat 5"},
+      {"bench select", "bench select --sizes 500 --repeat 5 --beside 0.02"},
       {"bench mesh", "bench mesh --sizes 500 --resolution 8 --repeat 1 --shapes sphere --truth-points 500"},
       {"bench stream", "bench stream --sizes 500 --frames 16x12 --repeat 1"},
   };

@@ -42,6 +42,31 @@ DVec3 colorAt(const Image& image, const Camera& camera, const DVec3& position) {
 
 }  // namespace
 
+TEST_CASE_FIXTURE(PictureFixture, "pictures that are recorded before the first of them is drawn keep their cameras") {
+  const PointCloud cloud = sphereCloud(2000);
+  const DrawnCloud drawn(device, cloud);
+  const FrameOptions options = optionsFor(cloud);
+  Camera near = Camera::fitting(cloud, double{kWidth} / kHeight), far = near;
+  far.eye *= 1.5;
+  Frame& frame = frameOf(kWidth, kHeight, 2);
+  CommandList first(device, device.throughputQueue(), "first"), second(device, device.throughputQueue(), "second");
+  first.begin();
+  frame.record(first, drawn, near, options);
+  first.end();
+  second.begin();
+  frame.record(second, drawn, far, options);
+  second.end();
+  device.throughputQueue().run(first);
+  const Image ofFirst = frame.readColor();
+  device.throughputQueue().run(second);
+  const Image ofSecond = frame.readColor();
+  CHECK(ofFirst.rgba != ofSecond.rgba);
+  draw(frame, drawn, near, options);
+  CHECK(frame.readColor().rgba == ofFirst.rgba);
+  draw(frame, drawn, far, options);
+  CHECK(frame.readColor().rgba == ofSecond.rgba);
+}
+
 TEST_CASE_FIXTURE(PictureFixture, "the picture of a sphere has no holes and true depths and normals") {
   const PointCloud cloud = sphereCloud();
   const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);

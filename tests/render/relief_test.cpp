@@ -104,8 +104,8 @@ class ReliefFixture : public GpuFixture {
                       .size_px = view.samples()};
     constants.usualRadius = static_cast<float>(view.usualRadius);
     constants.occlusionRadius = static_cast<float>(view.occlusionRadius);
-    const Buffer frame = Buffer::of<shared::RenderFrame>(device, 2, Memory::upload, "constants");
-    frame.mapped<shared::RenderFrame>()[0] = constants;
+    ConstantBlock frame(device, sizeof constants, 1, "constants");
+    frame.write(0, constants);
     const auto uploaded = [&](const std::vector<std::uint32_t>& words, const char* name) {
       Buffer buffer = deviceWords(device, words.size(), name);
       upload(device, device.throughputQueue(), buffer, words);
@@ -116,9 +116,8 @@ class ReliefFixture : public GpuFixture {
     Relief relief(device, {view.size_px.x, view.size_px.y, view.supersample});
     CommandList list(device, device.throughputQueue(), "relief");
     list.begin();
-    relief.record(list,
-                  {.frame = frame.address(), .depth = depth.address(), .normalSums = normals.address(), .colorSums = 0},
-                  source.address(), depth.address(), true, true);
+    list.use(frame, 0);
+    relief.record(list, normals.address(), source.address(), depth.address(), true, true);
     list.end();
     device.throughputQueue().run(list);
     return {download<float>(device, device.throughputQueue(), relief.access(), pixels),

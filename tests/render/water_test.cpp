@@ -67,8 +67,8 @@ class WaterFixture : public PictureFixture {
                       .closeHoles = false,
                       .inSample = 1,
                       .everyPoint = true};
-    const Buffer frame = Buffer::of<shared::RenderFrame>(device, 2, Memory::upload, "constants");
-    frame.mapped<shared::RenderFrame>()[0] = frameConstants(about, p.camera, options, p.size, 0);
+    ConstantBlock frame(device, sizeof(shared::RenderFrame), 1, "constants");
+    frame.write(0, frameConstants(about, p.camera, options, p.size, 0));
     std::vector<Vec4> places;
     for (const Vec3& at : p.positions) places.emplace_back(at, 0.f);
     std::vector<std::uint32_t> own(p.depths.size());
@@ -85,8 +85,8 @@ class WaterFixture : public PictureFixture {
                    .side = 2};
     CommandList list(device, device.throughputQueue(), "test water");
     list.begin();
-    pass.record(list, {.frame = frame.address(), .depth = 0, .normalSums = 0, .colorSums = 0}, p.particles,
-                {source.address(), depth.address(), behind.address()});
+    list.use(frame, 0);
+    pass.record(list, p.particles, {source.address(), depth.address(), behind.address()});
     list.end();
     device.throughputQueue().run(list);
     const std::size_t pixels = std::size_t{p.size.width} * p.size.height;
