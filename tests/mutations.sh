@@ -26,8 +26,8 @@ while [ $# -gt 0 ]; do
     --tier) tier=${2:-}; shift ;;
     --survivors) survivors=yes ;;
     --here) here=yes ;;
-    [0-9][0-9]) numbers+=("$1") ;;
-    *) echo "mutations.sh: '$1' is not an option or a number of two digits (see the head of this file)" >&2; exit 2 ;;
+    [0-9][0-9] | [0-9][0-9][0-9]) numbers+=("$1") ;;
+    *) echo "mutations.sh: '$1' is not an option or a number of two or three digits (see the head of this file)" >&2; exit 2 ;;
   esac
   shift
 done
@@ -35,8 +35,8 @@ done
 [ "$tier" = quick ] || export PALPATE_TESTS_TIER=full
 
 patches=()
-for patch in tests/mutations/[0-9][0-9]-*.patch; do
-  number=$(basename "$patch" | cut -c 1-2)
+for patch in tests/mutations/[0-9]*-*.patch; do
+  number=$(basename "$patch" | cut -d - -f 1)
   [ ${#numbers[@]} -gt 0 ] && [[ " ${numbers[*]} " != *" $number "* ]] || patches+=("$PWD/$patch")
 done
 [ ${#patches[@]} -gt 0 ] || { echo "mutations.sh: no patch in tests/mutations has such a number" >&2; exit 2; }
