@@ -144,7 +144,7 @@ for patch in "${patches[@]}"; do
   result=$(outcome "$patch")
   git checkout -q -f
   case $result in killed*) ;; SURVIVED*) survived=$((survived + 1)) ;; *) broken=$((broken + 1)) ;; esac
-  table+=("$(basename "$patch" | cut -c 1-2)|$(field "$patch" Mutation)|$result|$((SECONDS - begin))")
+  table+=("$(basename "$patch" | cut -d - -f 1)|$(field "$patch" Mutation)|$result|$((SECONDS - begin))")
   printf '%s %4d s  %s\n' "$(basename "$patch" .patch)" $((SECONDS - begin)) "$result"
 done
 
