@@ -47,9 +47,8 @@ class DistancePasses {
 
   /// Examines the points of that value in a grid whose cells have that edge. Returns how many there were.
   std::size_t examine(float which, double edge) {
-    const std::size_t count =
-        parallelCount(values_.size(), threads_, [&](std::size_t i) { return values_[i].x == which; });
-    if (count == 0) return 0;
+    const std::size_t found = count(which);
+    if (found == 0) return 0;
     rename(which, shared::kExamined);
     build(edge);
     run([&](CommandList& list) {
@@ -59,7 +58,10 @@ class DistancePasses {
                                                    .radius = static_cast<float>(edge),
                                                    .neighbours = neighbours_});
     });
-    return count;
+    return found;
+  }
+  std::size_t count(float which) const {
+    return parallelCount(values_.size(), threads_, [&](std::size_t i) { return values_[i].x == which; });
   }
   /// Gives the points of a value another one.
   void rename(float from, float to) {
@@ -70,7 +72,7 @@ class DistancePasses {
   }
   /// Scans all points for those that are left; false if that takes too long.
   bool scan() {
-    if (std::ranges::find(values_, shared::kLeft, &Vec2::x) == values_.end()) return true;
+    if (count(shared::kLeft) == 0) return true;
     std::vector<std::uint32_t> slots;
     const auto positions = download<Vec4>(device_, live_.front().positions, live_.slots());
     for (std::uint32_t slot = 0; slot < positions.size(); ++slot)
@@ -140,7 +142,7 @@ double scannedDistance(const std::vector<Vec3>& positions, std::size_t point, st
 }
 
 // Of samples: a GPU or a driver that rounds otherwise would give other outliers.
-bool areExact(const std::vector<Vec3>& positions, const std::vector<double>& means, std::size_t neighbours,
+bool areExact(const std::vector<Vec3>& positions, std::span<const double> means, std::size_t neighbours,
               unsigned threads) {
   constexpr std::size_t kSamples = 16;
   constexpr double kDoubles = 1e-11;
@@ -155,8 +157,8 @@ bool areExact(const std::vector<Vec3>& positions, const std::vector<double>& mea
 
 }  // namespace
 
-std::optional<std::vector<double>> neighbourDistances(Device& device, const PointCloud& cloud, std::uint32_t neighbours,
-                                                      unsigned threads) {
+std::optional<BareVector<double>> neighbourDistances(Device& device, const PointCloud& cloud, std::uint32_t neighbours,
+                                                     unsigned threads) {
   if (neighbours == 0 || neighbours > shared::kMaxNearest || cloud.size() <= neighbours) return std::nullopt;
   const double spacing = roughSpacing(cloud, threads);
   if (!(spacing > kSmallest && spacing < kLargest)) return std::nullopt;
@@ -176,10 +178,8 @@ std::optional<std::vector<double>> neighbourDistances(Device& device, const Poin
   passes.rename(shared::kWaiting, shared::kCrowded);
   goOn(shared::kCrowded, shared::kSparse, kFiner);
   if (!passes.scan()) return std::nullopt;
-  std::vector<double> means(cloud.size());
-  parallelFor(means.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      means[i] = (double{passes.values()[i].x} + double{passes.values()[i].y}) / neighbours;
+  BareVector<double> means = parallelMake(cloud.size(), threads, [&](std::size_t i) {
+    return (double{passes.values()[i].x} + double{passes.values()[i].y}) / neighbours;
   });
   if (!areExact(cloud.positions, means, neighbours, threads)) return std::nullopt;
   return means;

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/bare_vector.hpp"
 
 namespace palpate {
 
@@ -16,7 +16,7 @@ class Device;
 /// Empty where that is not possible, or not sooner: for more than 32 neighbours, for no more points than neighbours, or
 /// if too many points are left; and if samples show that this GPU does not round as it must. Waits for the latency
 /// queue. Throws OutOfGpuMemory.
-std::optional<std::vector<double>> neighbourDistances(Device& device, const PointCloud& cloud, std::uint32_t neighbours,
-                                                      unsigned threads = 0);
+std::optional<BareVector<double>> neighbourDistances(Device& device, const PointCloud& cloud, std::uint32_t neighbours,
+                                                     unsigned threads = 0);
 
 }  // namespace palpate

@@ -47,8 +47,8 @@ PointSet setOf(const std::vector<std::uint8_t>& truths, unsigned threads) {
 
 }  // namespace
 
-std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t neighbours, unsigned threads,
-                                       const ShareDone& progress) {
+BareVector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t neighbours, unsigned threads,
+                                      const ShareDone& progress) {
   PALPATE_CHECK_LE(1u, neighbours);
   const Places places = distinctPlaces(cloud.positions);
   const std::size_t count = places.positions.size();
@@ -78,18 +78,27 @@ std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t ne
     done += end - begin;
     if (progress) progress(static_cast<double>(done) / static_cast<double>(count));
   });
-  std::vector<double> distances(cloud.size());
-  for (std::size_t i = 0; i < distances.size(); ++i) distances[i] = means[places.placeOf[i]];
-  return distances;
+  return parallelMake(cloud.size(), threads, [&](std::size_t i) { return means[places.placeOf[i]]; });
 }
 
 namespace {
 
-double limitOf(std::span<const double> distances, double sigma) {
+// The same for any number of threads.
+double sumOf(std::span<const double> values, unsigned threads, auto&& of) {
+  constexpr std::size_t kBlock = 1 << 14;
+  const auto sums = parallelMake((values.size() + kBlock - 1) / kBlock, threads, [&](std::size_t block) {
+    double sum = 0;
+    for (const double value : values.subspan(block * kBlock, std::min(kBlock, values.size() - block * kBlock)))
+      sum += of(value);
+    return sum;
+  });
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+double limitOf(std::span<const double> distances, double sigma, unsigned threads) {
   const auto count = static_cast<double>(distances.size());
-  const double mean = std::accumulate(distances.begin(), distances.end(), 0.0) / count;
-  double squares = 0;
-  for (const double distance : distances) squares += (distance - mean) * (distance - mean);
+  const double mean = sumOf(distances, threads, std::identity()) / count;
+  const double squares = sumOf(distances, threads, [&](double d) { return (d - mean) * (d - mean); });
   return mean + sigma * std::sqrt(squares / (count - 1));
 }
 
@@ -98,9 +107,10 @@ double limitOf(std::span<const double> distances, double sigma) {
 PointSet statisticalOutliers(const PointCloud& cloud, std::uint32_t neighbours, double sigma, unsigned threads,
                              const DistanceMaker& make, const ShareDone& progress) {
   if (cloud.size() < 2) return {};
-  const auto made = make ? make(cloud, neighbours, threads) : std::nullopt;
-  const std::vector<double> distances = made ? *made : neighbourDistances(cloud, neighbours, threads, progress);
-  const double limit = limitOf(distances, sigma);
+  auto made = make ? make(cloud, neighbours, threads) : std::nullopt;
+  if (!made) made = neighbourDistances(cloud, neighbours, threads, progress);
+  const BareVector<double>& distances = *made;
+  const double limit = limitOf(distances, sigma, threads);
   return PointBits::where(distances.size(), threads, [&](std::size_t i) { return distances[i] > limit; }).set();
 }
 

@@ -5,9 +5,9 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/point_set.hpp"
 
 namespace palpate {
@@ -18,12 +18,12 @@ namespace palpate {
 /// and 0 if there is none. Points at the same position are neighbours at distance 0.
 /// `progress` is called with the share that is done, from any thread.
 using ShareDone = std::function<void(double)>;
-std::vector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t neighbours, unsigned threads = 0,
-                                       const ShareDone& progress = nullptr);
+BareVector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t neighbours, unsigned threads = 0,
+                                      const ShareDone& progress = nullptr);
 
 /// A faster neighbourDistances(); empty where it cannot compute them, or would not be faster.
-using DistanceMaker = std::function<std::optional<std::vector<double>>(const PointCloud& cloud,
-                                                                       std::uint32_t neighbours, unsigned threads)>;
+using DistanceMaker = std::function<std::optional<BareVector<double>>(const PointCloud& cloud, std::uint32_t neighbours,
+                                                                      unsigned threads)>;
 
 /// The points whose mean distance to their neighbours is more than `sigma` standard deviations above the mean of all
 /// (Rusu, Marton, Blodow, Dolha and Beetz 2008, "Towards 3D point cloud based object maps for household environments",

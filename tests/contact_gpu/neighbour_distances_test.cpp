@@ -14,7 +14,7 @@ namespace {
 double worstError(Device& device, const PointCloud& cloud, std::uint32_t neighbours) {
   const auto onGpu = neighbourDistances(device, cloud, neighbours);
   REQUIRE(onGpu);
-  const std::vector<double> exact = neighbourDistances(cloud, neighbours);
+  const BareVector<double> exact = neighbourDistances(cloud, neighbours);
   REQUIRE(onGpu->size() == exact.size());
   double worst = 0;
   for (std::size_t i = 0; i < exact.size(); ++i)

@@ -70,7 +70,8 @@ TEST_CASE("statistical outliers are those of a search through all pairs") {
       CAPTURE(count);
       CAPTURE(repeated);
       const PointCloud cloud = plate(count, repeated);
-      const std::vector<double> expected = distancesByForce(cloud, 8), found = neighbourDistances(cloud, 8);
+      const std::vector<double> expected = distancesByForce(cloud, 8);
+      const BareVector<double> found = neighbourDistances(cloud, 8);
       REQUIRE(found.size() == count);
       bool same = true;
       for (std::size_t i = 0; i < count; ++i) same = same && found[i] == within(expected[i], 1e-12);
@@ -88,7 +89,7 @@ TEST_CASE("clouds without neighbours have no outliers, and many equal points tak
   CHECK(outlierShare(5, 100) == "5.0 % of the points");
   CHECK(outlierShare(139, 1000) == "13.9 % of the points; a larger sigma, such as 3, finds fewer");
   CHECK(statisticalOutliers(plate(1), 8, 1) == PointSet());
-  CHECK(neighbourDistances(plate(1), 8) == std::vector<double>{0});
+  CHECK(neighbourDistances(plate(1), 8) == BareVector<double>{0});
   PointCloud crowd;
   crowd.positions.assign(300'000, Vec3(1, 2, 3));
   crowd.positions.emplace_back(50, 2, 3);
