@@ -94,10 +94,12 @@ void annotate(Image& image, const Annotations& annotations) {
 void addPictureOptions(Options& command, PictureOptions& options) {
   addLookOptions(command, options.look);
   command.add("--size", options.size, "WIDTHxHEIGHT, pixels").showDefault();
-  command.add("--camera", options.camera,
-              "any of \"eye=x,y,z target=x,y,z up=x,y,z fov=45 ortho=HEIGHT isometric\", model units and degrees "
-              "(default: in front of the model, slightly above); ortho: orthographic, HEIGHT from the lower to the "
-              "upper border, or as the model requires; isometric: orthographic, from the front, the right and above");
+  command.add(
+      "--camera", options.camera,
+      "any of \"eye=x,y,z target=x,y,z up=x,y,z fov=45 ortho=HEIGHT\", model units and degrees, and front, back, left, "
+      "right, top, bottom or isometric (default: in front of the model, slightly above); ortho: orthographic, "
+      "HEIGHT from the lower to the upper border, or as the model requires; isometric: orthographic, from the "
+      "front, the right and above");
   command
       .add("--splat-radius", options.splatRadius,
            "radius of the discs, mm; auto: just wide enough to close the surface")

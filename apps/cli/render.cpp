@@ -35,7 +35,7 @@ std::vector<CameraRequest> camerasIn(const std::string& file) {
     }
     if (const CameraRequest& camera = cameras.back(); camera.eye && camera.target && *camera.eye == *camera.target)
       lines.fail("eye and target are the same point");
-    const auto isFlat = [](const CameraRequest& camera) { return camera.ortho || camera.isometric; };
+    const auto isFlat = [](const CameraRequest& camera) { return camera.ortho || camera.side == ModelSide::isometric; };
     if (isFlat(cameras.front()) != isFlat(cameras.back()))
       lines.fail("this camera is orthographic and the first is not, or the other way round");
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/core/error.hpp"
+#include "engine/core/named_values.hpp"
 
 namespace palpate {
 
@@ -70,11 +71,18 @@ Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double 
   return camera;
 }
 
-/// At the origin, looking from the front and slightly from above, or isometrically.
+/// At the origin, looking from the front and slightly from above, or from the side that is wanted.
 Camera frontCamera(const Bounds& bounds, double fov_deg, const Framing& framing) {
   const DVec3 top = directionOf(framing.up), side = bounds.max - bounds.min;
-  if (framing.isometric)
-    return {.eye = glm::normalize(framing.front + glm::cross(top, framing.front) + top), .up = top, .fov_deg = fov_deg};
+  if (framing.side) {
+    // In a plan the front is at the bottom of the picture; the right side is on the right in a view from below, too.
+    const bool isPlan = framing.side == ModelSide::top, isBelow = framing.side == ModelSide::bottom;
+    return {.eye = directionTo(*framing.side, framing.up, framing.front),
+            .up = isPlan    ? -framing.front
+                  : isBelow ? framing.front
+                            : top,
+            .fov_deg = fov_deg};
+  }
   const double height = std::abs(glm::dot(side, top)), width = bounds.longestSide();
   const double flat = width > 0 ? std::max(0.0, 1 - height / (kLow * width)) : 0;
   const double low_deg = framing.fromAbove ? kRoomElevation_deg : kFrontElevation_deg;
@@ -120,6 +128,27 @@ void setOnce(std::optional<T>& field, T value, std::string_view key) {
 
 }  // namespace
 
+DVec3 directionTo(ModelSide side, UpAxis up, const DVec3& front) {
+  const DVec3 top = directionOf(up), right = glm::cross(top, front);
+  switch (side) {
+    case ModelSide::front:
+      return front;
+    case ModelSide::back:
+      return -front;
+    case ModelSide::left:
+      return -right;
+    case ModelSide::right:
+      return right;
+    case ModelSide::top:
+      return top;
+    case ModelSide::bottom:
+      return -top;
+    case ModelSide::isometric:
+      break;
+  }
+  return glm::normalize(front + right + top);
+}
+
 CameraRequest CameraRequest::parse(std::string_view text) {
   CameraRequest given;
   while (true) {
@@ -141,12 +170,12 @@ CameraRequest CameraRequest::parse(std::string_view text) {
       setOnce(given.fov_deg, parseNumber(value, word), key);
     } else if (key == "ortho") {
       setOnce(given.ortho, word == key ? 0 : parseHeight(value, word), key);
-    } else if (word == "isometric") {
-      given.isometric = true;
+    } else if (const auto side = valueNamed(kModelSides, word)) {
+      setOnce(given.side, *side, "side");
     } else {
       throw UsageError(
-          "camera: '{}' is not known; known are eye=x,y,z target=x,y,z up=x,y,z fov=degrees ortho=height isometric",
-          word);
+          "camera: '{}' is not known; known are eye=x,y,z target=x,y,z up=x,y,z fov=degrees ortho=height {}", word,
+          fmt::join(namesOf(kModelSides), " "));
     }
   }
 }
@@ -174,8 +203,8 @@ Camera Camera::parse(std::string_view text, const PointCloud& cloud, double aspe
 
 Camera Camera::asked(const CameraRequest& given, const PointCloud& cloud, double aspect, const Framing& wanted) {
   Framing framing = wanted;
-  framing.isometric |= given.isometric;
-  framing.orthographic |= given.ortho || given.isometric;
+  if (given.side) framing.side = given.side;
+  framing.orthographic |= given.ortho || framing.side == ModelSide::isometric;
   const double fov_deg = given.fov_deg.value_or(45);
   if (!(fov_deg >= 1 && fov_deg <= 170)) throw UsageError("camera: fov={} is not between 1 and 170 degrees", fov_deg);
   Camera camera = fitting(cloud, aspect, fov_deg, framing);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,13 +12,26 @@
 
 namespace palpate {
 
+/// Sides from which a model is viewed: right is to the right of a viewer in front of it.
+enum class ModelSide : std::uint8_t { front, back, left, right, top, bottom, isometric };
+inline constexpr std::array<std::pair<std::string_view, ModelSide>, 7> kModelSides{
+    {{"front", ModelSide::front},
+     {"back", ModelSide::back},
+     {"left", ModelSide::left},
+     {"right", ModelSide::right},
+     {"top", ModelSide::top},
+     {"bottom", ModelSide::bottom},
+     {"isometric", ModelSide::isometric}}};
+/// Towards a viewer at that side, unit. `front`: unit, horizontal.
+DVec3 directionTo(ModelSide side, UpAxis up, const DVec3& front);
+
 /// Defaults of Camera::fitting() for a cloud.
 struct Framing {
   std::optional<Bounds> shown;  ///< box of the points to show (coreBoundsOf()); all points if not set
   UpAxis up = UpAxis::y;
-  DVec3 front = frontOf(up);  ///< unit: towards the viewer
-  double margin = 0;          ///< around each point, model units: radius of its disc
-  bool isometric = false;     ///< from the front, the right and above alike; else from the front
+  DVec3 front = frontOf(up);      ///< unit: towards the viewer
+  double margin = 0;              ///< around each point, model units: radius of its disc
+  std::optional<ModelSide> side;  ///< seen straight from there; else from the front, slightly from above
   bool orthographic = false;
   bool fromAbove = false;  ///< seen from high enough above that one looks into a room
 };
@@ -26,10 +41,10 @@ struct CameraRequest {
   std::optional<DVec3> eye, target, up;
   std::optional<double> fov_deg;  ///< vertical, 1 to 170
   std::optional<double> ortho;    ///< orthographic: height of the picture, model units; 0: so that the model fills it
-  bool isometric = false;         ///< orthographic, and seen from the front, the right and above alike
+  std::optional<ModelSide> side;  ///< seen straight from there; isometric is orthographic
 
-  /// From `eye=x,y,z target=x,y,z up=x,y,z fov=degrees ortho=height isometric`, any of them in any order, separated by
-  /// spaces. Throws UsageError.
+  /// From `eye=x,y,z target=x,y,z up=x,y,z fov=degrees ortho=height`, and a name of kModelSides, any of them in any
+  /// order, separated by spaces. Throws UsageError.
   static CameraRequest parse(std::string_view text);
 };
 

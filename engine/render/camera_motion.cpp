@@ -168,24 +168,7 @@ Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up, cons
 }
 
 Camera fromSide(const Camera& camera, ModelSide side, UpAxis up, const DVec3& front) {
-  const DVec3 top = directionOf(up), right = glm::cross(top, front);
-  switch (side) {
-    case ModelSide::front:
-      return lookingFrom(camera, front, up, front);
-    case ModelSide::back:
-      return lookingFrom(camera, -front, up, front);
-    case ModelSide::left:
-      return lookingFrom(camera, -right, up, front);
-    case ModelSide::right:
-      return lookingFrom(camera, right, up, front);
-    case ModelSide::top:
-      return lookingFrom(camera, top, up, front);
-    case ModelSide::bottom:
-      return lookingFrom(camera, -top, up, front);
-    case ModelSide::iso:
-      break;
-  }
-  return lookingFrom(camera, glm::normalize(front + right + top), up, front);
+  return lookingFrom(camera, directionTo(side, up, front), up, front);
 }
 
 }  // namespace palpate

@@ -38,15 +38,6 @@ Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up, cons
 /// All of them are orthographic, or none is; the depth range is the first one's.
 Camera alongCameras(std::span<const Camera> cameras, double at);
 
-/// Sides from which a model is viewed: right is to the right of a viewer in front of it.
-enum class ModelSide : std::uint8_t { front, back, left, right, top, bottom, iso };
-inline constexpr std::array<std::pair<std::string_view, ModelSide>, 7> kModelSides{{{"front", ModelSide::front},
-                                                                                    {"back", ModelSide::back},
-                                                                                    {"left", ModelSide::left},
-                                                                                    {"right", ModelSide::right},
-                                                                                    {"top", ModelSide::top},
-                                                                                    {"bottom", ModelSide::bottom},
-                                                                                    {"iso", ModelSide::iso}}};
 /// Looks at the target from that side, at the same distance. `front`: unit, from the model.
 Camera fromSide(const Camera& camera, ModelSide side, UpAxis up, const DVec3& front);
 

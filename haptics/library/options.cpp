@@ -195,7 +195,7 @@ PictureRequest pictureFrom(const pp_picture_options& options) {
   if (projection == Projection::perspective && options.ortho_height > 0)
     throw UsageError("ortho_height: the projection is perspective");
   if (projection != Projection::perspective) request.camera.ortho = options.ortho_height;
-  request.camera.isometric = projection == Projection::isometric;
+  if (projection == Projection::isometric) request.camera.side = ModelSide::isometric;
   request.transparent = options.transparent != 0;
   if (options.has_background)
     request.background = {options.background[0], options.background[1], options.background[2]};

@@ -122,7 +122,7 @@ TEST_CASE("front and top views are right for any up axis") {
     const DVec3 right = from(ModelSide::front, up).axes().right;
     CHECK(glm::dot(from(ModelSide::right, up).axes().forward, -right) > 0.999);
     CHECK(glm::dot(from(ModelSide::left, up).axes().forward, right) > 0.999);
-    const DVec3 iso = -from(ModelSide::iso, up).axes().forward;
+    const DVec3 iso = -from(ModelSide::isometric, up).axes().forward;
     for (const DVec3& side : {front, right, top}) CHECK(glm::dot(iso, side) == near(1 / std::sqrt(3.0), 1e-6));
   }
   CHECK(glm::dot(from(ModelSide::front, UpAxis::z).axes().forward, DVec3(0, 1, 0)) > 0.999);

@@ -163,24 +163,26 @@ TEST_CASE("a camera is parsed word by word, and missing values are fitted") {
 
 TEST_CASE("an invalid camera is refused with the word in question") {
   const PointCloud cloud = boxCloud(Vec3(0), Vec3(1));
-  for (const auto& [text, word] : std::vector<std::array<std::string, 2>>{{"eye=1,2", "eye=1,2"},
-                                                                          {"eye=1,2,3,4", "eye=1,2,3,4"},
-                                                                          {"eye=1,x,3", "'x'"},
-                                                                          {"eye=1,nan,3", "'nan'"},
-                                                                          {"eye=1,,3", "''"},
-                                                                          {"eye", "three numbers"},
-                                                                          {"fov=0", "fov=0"},
-                                                                          {"fov=180", "fov=180"},
-                                                                          {"fov=1,2", "'1,2'"},
-                                                                          {"zoom=3", "zoom=3"},
-                                                                          {"fov=30 fov=40", "given twice"},
-                                                                          {"up=0,0,0", "up"},
-                                                                          {"eye=0,0,9 target=0,0,0 up=0,0,2", "up"},
-                                                                          {"eye=1,2,3 target=1,2,3", "same point"},
-                                                                          {"ortho=0", "above 0"},
-                                                                          {"ortho=wide", "not a number"},
-                                                                          {"ortho=1 ortho", "twice"},
-                                                                          {"isometric=1", "not known"}}) {
+  for (const auto& [text, word] :
+       std::vector<std::array<std::string, 2>>{{"eye=1,2", "eye=1,2"},
+                                               {"eye=1,2,3,4", "eye=1,2,3,4"},
+                                               {"eye=1,x,3", "'x'"},
+                                               {"eye=1,nan,3", "'nan'"},
+                                               {"eye=1,,3", "''"},
+                                               {"eye", "three numbers"},
+                                               {"fov=0", "fov=0"},
+                                               {"fov=180", "fov=180"},
+                                               {"fov=1,2", "'1,2'"},
+                                               {"zoom=3", "zoom=3"},
+                                               {"fov=30 fov=40", "given twice"},
+                                               {"up=0,0,0", "up"},
+                                               {"eye=0,0,9 target=0,0,0 up=0,0,2", "up"},
+                                               {"eye=1,2,3 target=1,2,3", "same point"},
+                                               {"ortho=0", "above 0"},
+                                               {"ortho=wide", "not a number"},
+                                               {"ortho=1 ortho", "twice"},
+                                               {"isometric=1", "not known; known are eye=x,y,z"},
+                                               {"top back", "given twice"}}) {
     CAPTURE(text);
     CHECK_THROWS_WITH_AS(Camera::parse(text, cloud, 1), doctest::Contains(word.c_str()), UsageError);
   }
@@ -210,6 +212,23 @@ TEST_CASE("an orthographic camera shows lengths alike at all depths, and the mod
   CHECK(given.towardsViewer(DVec3(5, 6, 7)) == DVec3(0, 0, 1));
   const DVec3 isometric = Camera::parse("isometric", cloud, 1).axes().forward;
   for (int k = 0; k < 3; ++k) CHECK(isometric[k] == near(-1 / std::sqrt(3.0), 1e-12));
+  // From a side one looks straight at it, and a plan and a view from below keep the right side on the right.
+  const DVec3 front = frontOf(UpAxis::y), right = glm::cross(DVec3(0, 1, 0), front);
+  for (const auto& [name, side] : kModelSides) {
+    CAPTURE(name);
+    for (const std::string more : {"", " ortho"}) {
+      const Camera from = Camera::parse(std::string(name) + more, cloud, 1);
+      CHECK(glm::distance(from.axes().forward, -directionTo(side, UpAxis::y, front)) < 1e-9);
+      CHECK(from.isOrthographic() == (!more.empty() || side == ModelSide::isometric));
+      if (side == ModelSide::top || side == ModelSide::bottom || side == ModelSide::front)
+        CHECK(glm::distance(from.axes().right, right) < 1e-9);
+      for (const Vec3& p : cloud.positions) {
+        const auto place = from.project(DVec3(p), {100, 100});
+        REQUIRE(place);
+        CHECK(glm::all(glm::lessThan(glm::abs(DVec2(*place) - 50.0), DVec2(50))));
+      }
+    }
+  }
   // An eye within the model moves back, so that nothing is cut off.
   const Camera within = Camera::parse("eye=1,2,3.5 target=1,2,3 ortho", cloud, 1);
   for (const Vec3& p : cloud.positions) CHECK(within.project(DVec3(p), {100, 100}));
