@@ -264,7 +264,7 @@ int run(std::vector<std::string> arguments) {
       complete(options, {arguments.begin() + 1, arguments.end()});
     } else if (!answered(app, std::move(arguments))) {
       streams.redirect(options);
-      requireDistinctFiles(options);
+      checkFileNames(options);
       context.checkJson();
       if (streams.writes()) context.reserveStdout();
       streams.read();

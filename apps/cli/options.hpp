@@ -47,7 +47,7 @@ enum class Writes {
   replacing,  ///< it is replaced
 };
 
-/// What the reference page, completion and requireDistinctFiles() know of an option beside its help.
+/// What the reference page, completion and checkFileNames() know of an option beside its help.
 struct OptionFacts {
   std::string bounds, unit;
   std::vector<std::string> offers;  ///< words

@@ -91,10 +91,13 @@ bool reads(const Named& named, const std::filesystem::path& file) {
 
 }  // namespace
 
-void requireDistinctFiles(const Options& program) {
+void checkFileNames(const Options& program) {
   const std::vector<Named> all = given(program);
   for (auto one = all.begin(); one != all.end(); ++one) {
     const std::string file = outputOf(*one);
+    if (file.starts_with("-") && one->option.name().starts_with("-"))
+      throw UsageError("{} needs the name of a file, and {} looks like an option; a file of that name is ./{}",
+                       one->option.name(), file, file);
     if (file.empty() || isDeviceOrPipe(file)) continue;
     for (auto other = all.begin(); other != all.end(); ++other) {
       if (one == other) continue;

@@ -21,8 +21,8 @@ enum class Output {
 /// a pipe may have any ending. Ignores an empty name.
 void checkOutput(const std::string& file, Output kind);
 
-/// Throws UsageError if two options of the command line write the same file, or if one would replace a file that
-/// another one reads: the model, say. Devices and pipes may be named twice.
-void requireDistinctFiles(const Options& program);
+/// Throws UsageError if two options of the command line write the same file, if one would replace a file that another
+/// one reads, such as the model, or if one has the next option as its file. Devices and pipes may be named twice.
+void checkFileNames(const Options& program);
 
 }  // namespace palpate

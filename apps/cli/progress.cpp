@@ -22,7 +22,7 @@ Progress::Progress(Log& log, std::string what) : log_(log), what_(std::move(what
 Progress::~Progress() {
   if (!thread_.joinable()) return;
   thread_ = {};
-  const JobStopScope whole(JobStopScope::whole());  // a bar at its end is no reason to stop
+  const JobStopScope whole(JobStopScope::whole());  // a stop must not skip the end of the bar
   if (fraction_ >= 1) log_.progress(what_, 1);
   log_.endProgress();
 }

@@ -145,6 +145,7 @@ class PySession {
   pp::Session session_;  // destroyed first
 };
 
+void bindSessionsPictures(py::class_<PySession>& session);
 void bindSessionsTicks(py::class_<PySession>& session);
 void bindSessionsQueries(py::class_<PySession>& session);
 void bindLogs(py::module_& module);

@@ -40,7 +40,7 @@ struct Backlog {
 /// machine carries out. Its axis is the normal of the surface as the stroke found it, averaged over the brush; the
 /// direction from HIP to proxy is not used, since the proxy trails in a drag. While the hand withdraws, only grab acts.
 /// A brush acts on the part of the surface that is connected with the surface under the hand, as the edit before has
-/// found it; at first that is no more than a few cells around the hand. A hand that has gone through a thin part, or
+/// found it; at first that is at most a few cells around the hand. A hand that has gone through a thin part, or
 /// around its rim, does nothing until it is back at the side of the stroke, two brush radii away, or released.
 /// A stroke is one press of the button, or one contact of a hand without a button, with gaps of up to 0.3 s.
 /// Positions are relative to the cloud's origin, in model units. Allocates nothing.

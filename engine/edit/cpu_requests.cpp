@@ -212,6 +212,8 @@ void CpuSculpture::request(const Part& part, const CellGroups::Group& group, con
         neighbours.gather(around.points, points_.normals, [this](std::uint32_t each) { return seen(each); });
       static_cast<ResampleRequest&>(request) = requestOf(point, near.indices(), neighbours);
     }
+    // One that is held stays, and its normal follows the points that move away from it.
+    request.unsettled = request.unsettled || (isLocked(point) && (moves_ || cuts_));
     if (isFree) near.truncate(0);
     if (looks) request.room = roomOf(point, around, near.indices());
     if (!request.inserts) continue;
@@ -251,9 +253,12 @@ void CpuSculpture::insertClaimed() {
   forEachRequest([&](std::uint32_t point, const Request& request) {
     if (!claims_.stands(request.place, point)) return;
     claims_.grant(request.place);
-    const std::uint32_t parent = request.takesAfterOther && !isLocked(request.other) ? request.other : point;
+    const bool otherIsLocked = isLocked(request.other), isHeld = otherIsLocked || isLocked(point);
+    const bool takesAfterOther = isHeld ? otherIsLocked : request.takesAfterOther;
+    const std::uint32_t parent = takesAfterOther ? request.other : point;
     const std::uint32_t added = points_.insertBetween(point, request.other, parent, request.place);
     makeRoom();
+    if (isHeld) hold(added);
     points_.reaches[added - points_.fromFile] = request.reach;
     waiting_.push_back(added);
     strayed_.push_back(added);

@@ -188,6 +188,11 @@ void CpuSculpture::lock(const PointLock& lock) {
   lockWeights_ = lock.weights;
 }
 
+void CpuSculpture::hold(std::uint32_t point) {
+  if (locked_.size() <= point / 64) locked_.resize(point / 64 + 1);
+  locked_[point / 64] |= std::uint64_t{1} << point % 64;
+}
+
 double CpuSculpture::lockOf(std::uint32_t point) const {
   if (lockWeights_.empty()) return 0;
   return lockWeights_[point < lockWeights_.size() ? point : points_.parents[point]] / 255.0;

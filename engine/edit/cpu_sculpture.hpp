@@ -140,6 +140,7 @@ class CpuSculpture {
     return point / 64 < locked_.size() && (locked_[point / 64] >> point % 64 & 1) != 0;
   }
 
+  void hold(std::uint32_t point);            // locks a new point
   double lockOf(std::uint32_t point) const;  // weight of its lock, 0 to 1
 
   SculptOptions options_;

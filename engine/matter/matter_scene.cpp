@@ -141,7 +141,7 @@ MatterTool usualTool(const MatterScene& scene) {
 
 namespace {
 
-// Layers of the fill along an axis: the fewest that are no farther apart than the scene's spacing.
+// Layers of the fill along an axis: the fewest that are at most as far apart as the scene's spacing.
 double layersAlong(const MatterScene& scene, int axis) {
   return std::ceil(scene.fill_mm[axis] / scene.spacing_mm - 1e-6);
 }

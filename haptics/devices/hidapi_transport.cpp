@@ -19,7 +19,7 @@ std::mutex& hidapiLock() {
 std::string utf8(const wchar_t* text) {
   std::string out;
   for (; text && *text; ++text) {
-    // NOLINTBEGIN(bugprone-signed-char-misuse): wchar_t is no char
+    // NOLINTBEGIN(bugprone-signed-char-misuse): wchar_t is not a char
     auto code = static_cast<std::uint32_t>(*text);
     if ((code & 0xfffffc00) == 0xd800 && (static_cast<std::uint32_t>(text[1]) & 0xfffffc00) == 0xdc00)
       code = 0x10000 + ((code & 0x3ff) << 10) + (static_cast<std::uint32_t>(*++text) & 0x3ff);

@@ -114,7 +114,7 @@ const HeldDevice* kindOf(const std::string& spec) {
   return found == kHeldDevices.end() ? nullptr : &*found;
 }
 
-/// What is remembered for the device. A memory that cannot be read is no reason to leave the device alone.
+/// What is remembered for the device. If that cannot be read, the device is used without it.
 RememberedDevice recall(const OpenedDevice& opened, const DeviceOpening& opening) {
   if (opened.key.empty()) return {};
   try {

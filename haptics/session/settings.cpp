@@ -56,8 +56,8 @@ constexpr Setting<Preparation> kPreparation[]{
      {.min = 1, .max = bounds::kMaxNeighbours, .orZero = true}},
     {"radius_mm", &Preparation::radius_mm, "", "length of --radius-outliers, mm", "mm", kLength},
     {"fill_holes_mm", &Preparation::fillHoles_mm, "--fill-holes",
-     "close the holes of the surface that are no wider than a length, such as round ones of this diameter, with new "
-     "points at the spacing of those around; mm",
+     "close the holes of the surface up to a width, such as round ones of this diameter, with new points at the "
+     "spacing of those around; mm",
      "mm", kLengthOrZero},
     {"subsample_mm", &Preparation::subsample_mm, "--subsample",
      "keep one point in each cell of a grid: the one nearest to its middle; side of a cell, mm", "mm", kLengthOrZero},

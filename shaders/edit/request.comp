@@ -362,7 +362,9 @@ void requestFor(uint id, vec3 center, uint sector) {
   args.lists.requests[at].found = 0.5 * (ends.position + ends.otherPosition);
   args.lists.requests[at].foundNormal = middleNormal(ends.normal, ends.otherNormal);
   args.lists.requests[at].color = middleColor(colorOf(args.tables, id), colorOf(args.tables, gap.id));
-  const bool takesAfterOther = targetOf(gap.id) > self.spacing && !isLocked(args.tables, gap.id);
+  const bool otherIsLocked = isLocked(args.tables, gap.id);
+  const bool takesAfterOther =
+      otherIsLocked || (targetOf(gap.id) > self.spacing && !isLocked(args.tables, id));
   args.lists.requests[at].parent = parentOf(args.tables, takesAfterOther ? gap.id : id);
   args.lists.requests[at].other = gap.id;
   args.lists.requests[at].reach = reach - length(gap.offset);
@@ -397,13 +399,13 @@ void requestForAll() {
     const float mostReach = kReach * args.radius;
     reach = id < firstNew ? mostReach : args.tables.at[0].reaches.at[id - firstNew];
     const uint stroke = args.tables.at[0].founds.at[id].stroke;
-    const bool isNoted = stroke == tool.stroke;
+    const bool isNoted = stroke == tool.stroke, isHeld = isLocked(args.tables, id);
     bends = stroke != 0 && dot(fitted.xyz, args.tables.at[0].founds.at[id].normal) <= kCarriedFar;
     looks = isNoted && tool.acts != 0 && brushHas(brush, kLooksAhead);
     if (!bends && subgroupElect()) args.tables.at[0].carried.at[id] = 0;
     if (!requests && !looks && !bends) continue;
     moved = id < firstNew ? !isAtRest(center, self.rest, self.spacing) : reach == mostReach;
-    swallowed = cuts && lockOf(args.tables, id) <= 0.5 && carved(brush, tool, center, self.normal).taken != 0;
+    swallowed = cuts && !isHeld && lockOf(args.tables, id) <= 0.5 && carved(brush, tool, center, self.normal).taken != 0;
     foundAt = foundNormal = vec3(0.0);
     if (cuts || looks) {
       foundNormal = isNoted ? args.tables.at[0].founds.at[id].normal : self.normal;
@@ -422,7 +424,7 @@ void requestForAll() {
       if (subgroupElect()) args.tables.at[0].founds.at[id].room = free;
     }
     const bool isTurned = bends && noteSide() && requests && tool.closes == 0;
-    if (subgroupElect() && (leaves || crowded || isTurned || requested < kGapSectors))
+    if (subgroupElect() && (leaves || crowded || isTurned || (isHeld && tool.acts != 0) || requested < kGapSectors))
       requestFor(id, center, requested);
     subgroupShares();
   }

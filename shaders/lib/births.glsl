@@ -30,6 +30,9 @@ bool isBorn(ResampleLists lists, uint i, out PointMove move) {
   args.tables.at[0].rests.at[id] = 0.5 * (args.tables.at[0].rests.at[lists.requests[request].id] +
                                           args.tables.at[0].rests.at[lists.requests[request].other]);
   noteBirth(lists, request, id);
+  // Beside a locked point it is part of a cliff, and is held.
+  if (isLocked(args.tables, lists.requests[request].id) || isLocked(args.tables, lists.requests[request].other))
+    atomicOr(args.tables.at[0].locked.at[id / 32], 1u << id % 32);
   move = PointMove(place, id, lists.requests[request].normal, kMarkRefit, kEmptySlot, kNoBucket, bucketAt(place), 0,
                    kEmptySlot);
   return true;

@@ -94,7 +94,7 @@ PALPATE_FUNCTION float fitShare(float cosine) { return max(0.0f, min(1.0f, 0.25f
 // While a ball carves, no point may be outside the solid that it cuts; in target spacings. A position is through if it
 // is less than kSkin inside the surface at a point that faces the other way, at most kBeside aside. It has risen if
 // nearly all neighbours at rest, weighted by the inverse fourth power of their distance, have it more than kSkin
-// outside their tangent planes. A point is at rest if it is no further than kAtRest from its position as loaded.
+// outside their tangent planes. A point is at rest if it is within kAtRest of its position as loaded.
 const float kSkin = 0.1f, kBeside = 2.0f, kAtRest = 0.02f, kNearlyAll = 0.8f;
 // No new point is created this near to where a point would be removed, nor where half of the neighbours at rest say so:
 // otherwise points would be added and removed for ever.

@@ -127,6 +127,9 @@ TEST_CASE("a duplicate option, or one without its value, is reported in a senten
   refuses("touch x.ply --rate 10 --rate 20", "--rate is given 2 times; give it once");
   refuses("touch x.ply --gpu a --gpu b --gpu c", "--gpu is given 3 times; give it once");
   refuses("touch x.ply --rate", "--rate needs a value; see palpate touch --help");
+  refuses("touch x.ply --trace --log", "--trace needs the name of a file, and --log looks like an option");
+  refuses("render x.ply -o --force", "--output needs the name of a file, and --force looks like an option");
+  refuses("convert x.ply --force", "output: is required; name a file, or a folder with --to");
 }
 
 TEST_CASE("palpate help COMMAND shows what palpate COMMAND --help does") {

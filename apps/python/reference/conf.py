@@ -33,7 +33,7 @@ nitpick_ignore_regex = [
 
 
 def read_sections(app: Any, what: str, name: str, thing: object, options: Any, lines: list[str]) -> None:
-    """Reads Args and Attributes. Not of properties, whose text before a colon is no type."""
+    """Reads Args and Attributes. Skips properties, whose text before a colon does not name a type."""
     if what in ("class", "exception", "function", "method"):
         sections = GoogleDocstring(list(lines), Config(napoleon_use_ivar=True), app, what, name, thing, options)
         lines[:] = sections.lines()

@@ -110,7 +110,7 @@ PP_API const char* pp_last_error_file(void);
 /** Line of that file, from 1; 0 if unknown. */
 PP_API uint64_t pp_last_error_line(void);
 
-/** Weight of a message. What makes a call fail is no message, but its status and pp_last_error(). */
+/** Weight of a message. A failed call sends none: see its status and pp_last_error(). */
 typedef enum pp_log_level {
   PP_LOG_NOTE = 0,   /**< what palpate does or has found, such as that normals are estimated */
   PP_LOG_WARNING = 1 /**< points, frames, strokes or parts of a file are lost, or may be */
