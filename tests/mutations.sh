@@ -27,7 +27,7 @@ while [ $# -gt 0 ]; do
     --survivors) survivors=yes ;;
     --here) here=yes ;;
     [0-9][0-9] | [0-9][0-9][0-9]) numbers+=("$1") ;;
-    *) echo "mutations.sh: '$1' is not an option or a number of two or three digits (see the head of this file)" >&2; exit 2 ;;
+    *) echo "mutations.sh: '$1' is not an option or a number (see the head of this file)" >&2; exit 2 ;;
   esac
   shift
 done

@@ -75,8 +75,8 @@ struct ByteReader {
     rest = rest.subspan((words.size() - left.size()) * sizeof(std::uint64_t));
     return true;
   }
-  template <class T>
-  bool take(std::vector<T>& items, std::uint64_t count) {
+  template <class T, class Allocator>
+  bool take(std::vector<T, Allocator>& items, std::uint64_t count) {
     static_assert(std::is_trivially_copyable_v<T>);
     if (count > rest.size() / sizeof(T)) return false;
     items.resize(count);

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/point_set.hpp"
 #include "engine/core/point_state.hpp"
 
@@ -98,8 +99,7 @@ struct LayerPlace {
   Vec3 zeroNormal{0};
   Kind kind = Kind::kept;
   std::uint8_t isSeen = 1;  ///< 0: something else has removed it
-  std::uint8_t isTorn = 0;  ///< 1: the strokes have brought it beside points from afar
-  std::uint8_t none = 0;
+  std::uint16_t none = 0;
 
   bool operator==(const LayerPlace&) const = default;
 };
@@ -121,7 +121,7 @@ struct StrokeLayerChange {
   std::optional<std::uint32_t> open;  ///< number of the layer that strokes become part of, from now on
   Points moves = Points::none;
   std::vector<StrokeLayerPoint> points;  ///< of a layer that is made
-  std::vector<LayerPlace> places;        ///< likewise, if its strength has been changed; ascending by number
+  BareVector<LayerPlace> places;         ///< likewise, if its strength has been changed; ascending by number
 
   bool operator==(const StrokeLayerChange&) const = default;
 };

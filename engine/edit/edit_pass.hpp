@@ -59,7 +59,7 @@ class EditPass {
   void recordGivenRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to, SortMethod sort,
                           Given given) const;
   /// Carries out many at once (ManyChanges), without a check of their states. Waits.
-  void carryOut(const PointSet& changed, std::span<const PointState> states, const PointSet& without) const {
+  void carryOut(const PointSet& changed, std::span<const PointState> states, const PointSet& without) {
     many_.carryOut(live_, tables_, changed, states, without);
   }
   /// Drops the requests of the last edit.

@@ -5,16 +5,16 @@
 #include <cstdint>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "engine/cloud/point_tree.hpp"
+#include "engine/core/bare_vector.hpp"
 
 namespace palpate {
 
 /// Finds points of the same side of a surface. Queries are safe from any thread.
 class FacingTree {
  public:
-  FacingTree(std::vector<Vec3> positions, std::vector<Vec3> normals)
+  FacingTree(BareVector<Vec3> positions, BareVector<Vec3> normals)
       : positions_(std::move(positions)), normals_(std::move(normals)), tree_(positions_) {}
 
   /// Calls use(index, squared distance) for those of the nearest points that face as `facing` does, nearest first,
@@ -33,7 +33,7 @@ class FacingTree {
   const Vec3& normal(std::uint32_t index) const { return normals_[index]; }
 
  private:
-  std::vector<Vec3> positions_, normals_;
+  BareVector<Vec3> positions_, normals_;
   PointTree tree_;
 };
 

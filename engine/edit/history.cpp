@@ -7,6 +7,7 @@
 
 #include "engine/cloud/attribute_bytes.hpp"
 #include "engine/core/check.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 
@@ -48,8 +49,12 @@ Items itemsIn(std::span<const std::byte> bytes) {
   return items;
 }
 
-PointSet setOf(const BareVector<PointState>& states) {
-  return PointSet::of(states, [](const PointState& state) { return state.number; });
+PointSet setOf(std::span<const PointState> states) {
+  const auto of = [&](std::size_t begin, std::size_t end) {
+    return PointSet::of(states.subspan(begin, end - begin), [](const PointState& state) { return state.number; });
+  };
+  const auto join = [](PointSet& all, const PointSet& part) { return all.add(part), std::move(all); };
+  return parallelReduce(states.size(), 0, PointSet(), of, join);
 }
 
 // Calls carry(), between exchange() and, if it fails, another one.
@@ -270,11 +275,11 @@ bool History::carryPresence(const PointSet& points, const CarryMany& carry) {
                  [&] { return carry(points, [&] { return presenceChanges(points, points_); }); });
 }
 
-bool History::carryStates(BareVector<PointState>& states, bool isSlide, const CarryMany& carry) {
-  PointSet points = setOf(states);
-  if (isSlide)
-    for (const PointState& to : states)
-      if (to.gone && points_[to.number].gone) points.set(to.number, false);
+bool History::carryStates(BareVector<PointState>& states, PointSet points, bool isSlide, const CarryMany& carry) {
+  const auto isAbsent = [&](std::size_t i) { return isSlide && states[i].gone && points_[states[i].number].gone; };
+  for (const std::uint64_t absent :
+       parallelCollect(states.size(), 0, isAbsent, [&](std::size_t i) { return states[i].number; }))
+    points.set(absent, false);
   const auto changes = [&] {
     std::vector<PointChange> made;
     made.reserve(states.size());
@@ -301,7 +306,7 @@ void History::changeMany(BareVector<PointState> states, const CarryMany& carry) 
   if (layers_) made.layer = layers_->open();
   list_.make({std::move(made), version_}, [&](HistoryChange& change) {
     auto& stroke = std::get<PointStroke>(change.what);
-    carryStates(stroke.points, false, carry);
+    carryStates(stroke.points, setOf(stroke.points), false, carry);
     if (stroke.layer) layers_->record(*stroke.layer, stroke.points, points_);
   });
   version_ = ++lastVersion_;
@@ -321,7 +326,7 @@ void History::slide(StrokeLayerChange& change, const PointLock* lock, const Carr
   const bool isContinued = slid_ && change.moves == StrokeLayerChange::Points::slideContinued;
   bool isSeen = false;
   const auto exchange = [&] {
-    PALPATE_CHECK(carryStates(states, true, [&](const PointSet& points, const MadeChanges& changes) {
+    PALPATE_CHECK(carryStates(states, slid, true, [&](const PointSet& points, const MadeChanges& changes) {
       isSeen = true;
       return carry(points, changes);
     }));
@@ -334,7 +339,7 @@ void History::slide(StrokeLayerChange& change, const PointLock* lock, const Carr
       more.remove(*slid_);
       kept.reserve(kept.size() + more.count());
       exchange();
-      for (const PointState& state : states)
+      for (const PointState& state : more.empty() ? std::span<const PointState>() : states)
         if (more.test(state.number)) kept.push_back(state);
     });
     slid.add(*slid_);
@@ -347,8 +352,7 @@ void History::slide(StrokeLayerChange& change, const PointLock* lock, const Carr
     ++strokes_;
   }
   if (isSeen) version_ = ++lastVersion_;
-  slid_.reset();
-  if (list_.last()) slid_ = std::move(slid);
+  slid_ = list_.last() ? std::optional(std::move(slid)) : std::nullopt;
 }
 
 std::vector<PointChange> presenceChanges(const PointSet& points, const PointStates& after) {
@@ -386,7 +390,7 @@ bool History::carryOut(PointStroke& stroke, const Carriers& carriers) {
     isSeen = true;
     return carriers.many ? carriers.many(points, changes) : carriers.points(changes());
   };
-  if (!carryStates(states, stroke.slide.has_value(), carry)) return false;
+  if (!carryStates(states, setOf(states), stroke.slide.has_value(), carry)) return false;
   if (&states == &left) stroke.points = std::move(left);
   stroke.received = received_;
   if (layers_) followInLayer(stroke, isSeen, carriers);
@@ -440,12 +444,7 @@ bool History::takeBack(const Carriers& carriers) {
 }
 
 StrokeCounts History::counts() const {
-  return {.strokes = strokes_,
-          .dropped = list_.dropped(),
-          .tooLarge = list_.tooLarge(),
-          .undoCount = list_.undoCount(),
-          .redoCount = list_.redoCount(),
-          .version = version()};
+  return {strokes_, list_.dropped(), list_.tooLarge(), list_.undoCount(), list_.redoCount(), version()};
 }
 
 }  // namespace palpate

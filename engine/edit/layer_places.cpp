@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <iterator>
+#include <functional>
 #include <limits>
 #include <utility>
 
 #include "engine/cloud/shortest_rotation.hpp"
-#include "engine/core/parallel.hpp"
+#include "engine/core/parallel_collect.hpp"
+#include "engine/core/parallel_radix_sort.hpp"
 #include "engine/edit/facing_tree.hpp"
 
 namespace palpate {
@@ -32,7 +34,7 @@ DVec3 unitVector(const DVec3& v, const DVec3& otherwise) {
 class ShapeMaker {
  public:
   ShapeMaker(std::span<const LayerRecord> records, const PointStates& present);
-  std::vector<LayerPlace> places();
+  BareVector<LayerPlace> places() const;
 
  private:
   struct Node {
@@ -52,30 +54,58 @@ class ShapeMaker {
     bool isFound() const { return isKnown && place.kind == Kind::kept; }
     bool isSpread() const { return isTorn || (isKnown && place.kind == Kind::inserted); }
   };
+  struct Removed {
+    LayerPlace place;
+    bool isMoved = false;
+  };
 
-  void addRecord(const LayerRecord& record);
+  static Node nodeOf(const LayerRecord& record);
+  static Removed removedOf(const LayerRecord& record);
   void addInserted(const PointStates& present);
   void addRing(const PointStates& present);
   void link();
   void findTorn();
   void relax();
-  void project(const FacingTree& surface);
+  void project(const FacingTree& surface, std::span<const std::uint32_t> spread);
   void placeInserted();
   void placeRemoved();
-  std::size_t indexOf(std::uint64_t point) const;
+  bool has(std::uint64_t point) const {
+    return std::ranges::binary_search(nodes_, point, {}, [](const Node& node) { return node.place.number; });
+  }
+  /// Indices of the nodes with is(node).
+  template <class Is>
+  BareVector<std::uint32_t> indicesOf(const Is& is) const {
+    return parallelCollect(
+        nodes_.size(), 0, [&](std::size_t i) { return std::invoke(is, nodes_[i]); },
+        [](std::size_t i) { return static_cast<std::uint32_t>(i); });
+  }
+  /// get(node) of each of these nodes.
+  template <class Get>
+  BareVector<Vec3> of(std::span<const std::uint32_t> indices, const Get& get) const {
+    return parallelMake(indices.size(), 0, [&](std::size_t k) { return Vec3(std::invoke(get, nodes_[indices[k]])); });
+  }
+  static bool isSeen(const Node& node) { return node.place.isSeen != 0; }
+  static Vec3 one(const Node& node) { return node.place.one; }
+  static Vec3 oneNormal(const Node& node) { return node.place.oneNormal; }
+  static Vec3 zeroNormal(const Node& node) { return node.place.zeroNormal; }
 
-  std::vector<Node> nodes_;  // ascending by number; then those of the ring
-  struct Removed {
-    LayerPlace place;
-    bool isMoved = false;
-  };
-  std::vector<Removed> removed_;  // by the strokes
-  std::size_t known_ = 0;         // nodes before this one are ascending by number
+  BareVector<Node> nodes_;       // ascending by number; then those of the ring
+  BareVector<Removed> removed_;  // by the strokes
 };
 
 ShapeMaker::ShapeMaker(std::span<const LayerRecord> records, const PointStates& present) {
-  for (const LayerRecord& record : records) addRecord(record);
-  known_ = nodes_.size();
+  const auto recordsWith = [&](auto&& is) {
+    return parallelCollect(
+        records.size(), 0, [&](std::size_t i) { return is(records[i]); }, [](std::size_t i) { return i; });
+  };
+  const auto kept = recordsWith([](const LayerRecord& record) { return !record.after.gone; });
+  const auto cut = recordsWith([](const LayerRecord& record) { return record.after.gone && !record.before.gone; });
+  nodes_.reserve(kept.size() / 4 * 5);  // with the ring, most often
+  nodes_.resize(kept.size());
+  parallelFor(kept.size(), 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) nodes_[i] = nodeOf(records[kept[i]]);
+  });
+  removed_ = parallelMake(cut.size(), 0, [&](std::size_t i) { return removedOf(records[cut[i]]); });
   addInserted(present);
   addRing(present);
   link();
@@ -85,27 +115,30 @@ ShapeMaker::ShapeMaker(std::span<const LayerRecord> records, const PointStates& 
   placeRemoved();
 }
 
-void ShapeMaker::addRecord(const LayerRecord& record) {
+LayerPlace placeOf(const LayerRecord& record) {
+  return {.number = record.after.number,
+          .one = record.present.position,
+          .oneNormal = record.present.normal,
+          .base = record.before.position,
+          .zero = record.before.position,
+          .zeroNormal = record.before.normal,
+          .kind = record.before.gone  ? Kind::inserted
+                  : record.after.gone ? Kind::cut
+                                      : Kind::kept,
+          .isSeen = static_cast<std::uint8_t>(!record.present.gone)};
+}
+
+ShapeMaker::Removed ShapeMaker::removedOf(const LayerRecord& record) {
+  const DVec3 moved = DVec3(record.present.position) - DVec3(record.after.position);  // by other layers since
+  Removed removed{placeOf(record), moved != DVec3(0)};
+  removed.place.base = Vec3(DVec3(record.before.position) + moved);
+  removed.place.zero = record.present.position;
+  return removed;
+}
+
+ShapeMaker::Node ShapeMaker::nodeOf(const LayerRecord& record) {
   const PointState &before = record.before, &after = record.after, &present = record.present;
-  if (before.gone && after.gone) return;
-  LayerPlace place{.number = after.number,
-                   .one = present.position,
-                   .oneNormal = present.normal,
-                   .base = before.position,
-                   .zero = before.position,
-                   .zeroNormal = before.normal,
-                   .kind = before.gone  ? Kind::inserted
-                           : after.gone ? Kind::cut
-                                        : Kind::kept,
-                   .isSeen = static_cast<std::uint8_t>(!present.gone)};
-  if (after.gone) {
-    const DVec3 moved = DVec3(present.position) - DVec3(after.position);  // by other layers since
-    place.base = Vec3(DVec3(before.position) + moved);
-    place.zero = present.position;
-    removed_.push_back({place, moved != DVec3(0)});
-    return;
-  }
-  Node node{.place = place, .found = before.position, .before = DVec3(before.position)};
+  Node node{.place = placeOf(record), .found = before.position, .before = DVec3(before.position)};
   if (!record.isUntouched) {
     const DVec3 moved = DVec3(present.position) - (node.before + record.displacement);
     const DVec3 from = unitVector(DVec3(after.normal), {0, 0, 1}), to = unitVector(DVec3(before.normal), {0, 0, 1});
@@ -114,39 +147,30 @@ void ShapeMaker::addRecord(const LayerRecord& record) {
     node.place.zeroNormal = Vec3(turn * DVec3(present.normal));
     node.place.base = node.place.zero = Vec3(node.before + node.others);
   }
-  nodes_.push_back(node);
-}
-
-std::size_t ShapeMaker::indexOf(std::uint64_t point) const {
-  const auto end = nodes_.begin() + static_cast<std::ptrdiff_t>(known_);
-  const auto at =
-      std::ranges::lower_bound(nodes_.begin(), end, point, {}, [](const Node& node) { return node.place.number; });
-  return at != end && at->place.number == point ? static_cast<std::size_t>(at - nodes_.begin()) : nodes_.size();
+  return node;
 }
 
 // Numbers of descendants are higher than those of their parents, and so these are in order.
 void ShapeMaker::addInserted(const PointStates& present) {
   if (nodes_.empty()) return;
-  std::vector<Node> inserted;
+  BareVector<Node> inserted;
   std::vector<std::uint64_t> numbers;
-  for (const PointState& state : present) {
+  for (const PointState& state : present.added()) {
     if (state.gone || state.parent == state.number) continue;
-    if (indexOf(state.parent) == nodes_.size() && !std::ranges::binary_search(numbers, state.parent)) continue;
-    if (indexOf(state.number) < nodes_.size()) continue;
+    if (!has(state.parent) && !std::ranges::binary_search(numbers, state.parent)) continue;
+    if (has(state.number)) continue;
     numbers.push_back(state.number);
     inserted.push_back(
         {.place = {.number = state.number, .one = state.position, .oneNormal = state.normal}, .isKnown = false});
   }
-  std::ranges::move(inserted, std::back_inserter(nodes_));
-  std::ranges::sort(nodes_, {}, [](const Node& node) { return node.place.number; });
-  known_ = nodes_.size();
+  const auto middle = static_cast<std::ptrdiff_t>(nodes_.size());
+  nodes_.insert(nodes_.end(), inserted.begin(), inserted.end());
+  std::ranges::inplace_merge(nodes_, nodes_.begin() + middle, {}, [](const Node& node) { return node.place.number; });
 }
 
 void ShapeMaker::addRing(const PointStates& present) {
-  std::vector<Vec3> positions;
   Vec3 low(std::numeric_limits<float>::max()), high = -low;
-  for (const Node& node : nodes_)
-    if (node.place.isSeen) positions.push_back(node.place.one);
+  BareVector<Vec3> positions = of(indicesOf(isSeen), one);
   for (const Removed& removed : removed_) positions.push_back(removed.place.base);
   if (positions.empty()) return;
   const PointTree tree(positions);
@@ -161,45 +185,43 @@ void ShapeMaker::addRing(const PointStates& present) {
   const double reach = kRing * spacings[spacings.size() / 2];
   for (const Vec3& position : positions) low = glm::min(low, position), high = glm::max(high, position);
   low -= Vec3(static_cast<float>(reach)), high += Vec3(static_cast<float>(reach));
-  std::vector<std::uint8_t> isNear(present.size());
+  enum class Is : std::uint8_t { other, node, ring };
+  std::vector<Is> is(present.size());
+  parallelFor(nodes_.size(), 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (const std::size_t at = present.indexOf(nodes_[i].place.number); at < is.size()) is[at] = Is::node;
+  });
   const PointState* const states = present.begin();
   parallelFor(present.size(), 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3& at = states[i].position;
       if (states[i].gone || glm::any(glm::lessThan(at, low)) || glm::any(glm::greaterThan(at, high))) continue;
-      if (indexOf(states[i].number) < nodes_.size()) continue;
+      if (is[i] == Is::node) continue;
       std::array<std::uint32_t, 1> found;
       std::array<double, 1> squared;
-      isNear[i] = tree.nearest(at, found, squared) > 0 && squared[0] < reach * reach;
+      if (tree.nearest(at, found, squared) > 0 && squared[0] < reach * reach) is[i] = Is::ring;
     }
   });
-  std::vector<Node> ring;
-  for (std::size_t i = 0; i < isNear.size(); ++i)
-    if (isNear[i]) {
-      const PointState& at = states[i];
-      ring.push_back({.place = {.number = at.number,
-                                .one = at.position,
-                                .oneNormal = at.normal,
-                                .base = at.position,
-                                .zero = at.position,
-                                .zeroNormal = at.normal},
-                      .before = DVec3(at.position),
-                      .isFixed = true});
-    }
-  std::ranges::move(ring, std::back_inserter(nodes_));
+  const BareVector<Node> ring = parallelCollect(
+      is.size(), 0, [&](std::size_t i) { return is[i] == Is::ring; },
+      [&](std::size_t i) {
+        const PointState& at = states[i];
+        return Node{.place = {.number = at.number,
+                              .one = at.position,
+                              .oneNormal = at.normal,
+                              .base = at.position,
+                              .zero = at.position,
+                              .zeroNormal = at.normal},
+                    .before = DVec3(at.position),
+                    .isFixed = true};
+      });
+  nodes_.insert(nodes_.end(), ring.begin(), ring.end());
 }
 
 void ShapeMaker::link() {
-  std::vector<Vec3> positions, normals;
-  std::vector<std::uint32_t> indices;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    if (!nodes_[i].place.isSeen) continue;
-    positions.push_back(nodes_[i].place.one);
-    normals.push_back(nodes_[i].place.oneNormal);
-    indices.push_back(static_cast<std::uint32_t>(i));
-  }
+  const BareVector<std::uint32_t> indices = indicesOf(isSeen);
   if (indices.empty()) return;
-  const FacingTree tree(std::move(positions), std::move(normals));
+  const FacingTree tree(of(indices, one), of(indices, oneNormal));
   const std::span<const std::uint32_t> order = tree.order();
   parallelFor(order.size(), 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t at = begin; at < end; ++at) {
@@ -221,18 +243,22 @@ void ShapeMaker::link() {
 // away. Inserted points come from nowhere: their parents are beside them, and tear nothing.
 void ShapeMaker::findTorn() {
   std::vector<double> rings(nodes_.size());
-  std::vector<std::uint32_t> front;
-  for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
-    const Node& node = nodes_[i];
-    if (!node.isFound() || node.isFixed) continue;
-    for (const std::uint32_t k : node.near()) {
-      const Node& other = nodes_[k];
-      const double spacing = std::max({node.spacing, other.spacing, 1e-30});
-      const double apart = glm::distance(node.before, other.before) / spacing;
-      if (other.isFound() && apart > kTorn) rings[i] = std::max(rings[i], apart);
+  parallelFor(nodes_.size(), 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Node& node = nodes_[i];
+      if (!node.isFound() || node.isFixed) continue;
+      for (const std::uint32_t k : node.near()) {
+        const Node& other = nodes_[k];
+        const double spacing = std::max({node.spacing, other.spacing, 1e-30});
+        const double apart = glm::distance(node.before, other.before) / spacing;
+        if (other.isFound() && apart > kTorn) rings[i] = std::max(rings[i], apart);
+      }
     }
-    if (rings[i] > 0) front.push_back(i);
-  }
+  });
+  BareVector<std::uint32_t> front = parallelCollect(
+      rings.size(), 0, [&](std::size_t i) { return rings[i] > 0; },
+      [](std::size_t i) { return static_cast<std::uint32_t>(i); });
+  if (front.empty()) return;
   for (std::size_t next = 0; next < front.size(); ++next) {
     const double left = rings[front[next]] - 1;
     if (left <= 0) continue;
@@ -242,11 +268,10 @@ void ShapeMaker::findTorn() {
   for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].isTorn = rings[i] > 0 && nodes_[i].isKnown;
 }
 
-void ShapeMaker::project(const FacingTree& surface) {
-  parallelFor(nodes_.size(), 0, [&](std::size_t begin, std::size_t end) {
+void ShapeMaker::project(const FacingTree& surface, std::span<const std::uint32_t> spread) {
+  parallelFor(spread.size(), 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      Node& node = nodes_[i];
-      if (!node.isSpread()) continue;
+      Node& node = nodes_[spread[i]];
       DVec3 middle{0}, normal{0};
       int count = 0;
       surface.visit(Vec3(node.before), node.place.zeroNormal, [&](std::uint32_t k, double) {
@@ -261,23 +286,18 @@ void ShapeMaker::project(const FacingTree& surface) {
 }
 
 void ShapeMaker::relax() {
-  std::vector<Vec3> positions, normals;
-  bool isAny = false;
-  for (const Node& node : nodes_) {
-    isAny = isAny || node.isSpread();
-    if (!node.isKnown || node.place.kind == Kind::inserted) continue;
-    positions.push_back(Vec3(node.before));
-    normals.push_back(node.place.zeroNormal);
-  }
+  const BareVector<std::uint32_t> spread = indicesOf(&Node::isSpread);
+  if (spread.empty()) return;
+  const auto found = indicesOf([](const Node& node) { return node.isKnown && node.place.kind != Kind::inserted; });
+  BareVector<Vec3> positions = of(found, &Node::before), normals = of(found, zeroNormal);
   for (const auto& [place, isMoved] : removed_) positions.push_back(place.base), normals.push_back(place.zeroNormal);
-  if (!isAny || positions.empty()) return;
+  if (positions.empty()) return;
   const FacingTree surface(std::move(positions), std::move(normals));
-  std::vector<DVec3> next(nodes_.size()), others(nodes_.size());
+  std::vector<DVec3> next(spread.size()), others(spread.size());
   for (int sweep = 1; sweep <= kSweeps; ++sweep) {
-    parallelFor(nodes_.size(), 0, [&](std::size_t begin, std::size_t end) {
+    parallelFor(spread.size(), 0, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const Node& node = nodes_[i];
-        if (!node.isSpread()) continue;
+        const Node& node = nodes_[spread[i]];
         DVec3 sum{0}, moved{0};
         double count = 0;
         for (const std::uint32_t k : node.near())
@@ -286,24 +306,22 @@ void ShapeMaker::relax() {
         others[i] = count > 0 && sweep <= 4 ? moved / count : node.others;
       }
     });
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
-      if (nodes_[i].isSpread()) nodes_[i].before = next[i], nodes_[i].others = others[i];
-    if (sweep % kBetweenProjections == 0) project(surface);
+    parallelFor(spread.size(), 0, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        nodes_[spread[i]].before = next[i], nodes_[spread[i]].others = others[i];
+    });
+    if (sweep % kBetweenProjections == 0) project(surface, spread);
   }
-  for (Node& node : nodes_) {
-    node.place.isTorn = static_cast<std::uint8_t>(node.isTorn);
-    if (node.isSpread()) node.place.base = Vec3(node.before + node.others);
-  }
+  for (const std::uint32_t i : spread) nodes_[i].place.base = Vec3(nodes_[i].before + nodes_[i].others);
 }
 
 // They go along with those around them.
 void ShapeMaker::placeInserted() {
-  std::vector<Node*> inserted;
-  for (Node& node : nodes_)
-    if (!node.isKnown) inserted.push_back(&node), node.before = DVec3(node.place.one);
+  const BareVector<std::uint32_t> inserted = indicesOf([](const Node& node) { return !node.isKnown; });
+  for (const std::uint32_t i : inserted) nodes_[i].before = DVec3(nodes_[i].place.one);
   for (int sweep = 0; sweep < 12; ++sweep)
-    for (Node* const each : inserted) {
-      Node& node = *each;
+    for (const std::uint32_t i : inserted) {
+      Node& node = nodes_[i];
       DVec3 sum{0}, normal{0};
       for (const std::uint32_t k : node.near()) {
         const Node& other = nodes_[k];
@@ -313,22 +331,18 @@ void ShapeMaker::placeInserted() {
       if (node.nearCount > 0) node.before = DVec3(node.place.one) + sum / static_cast<double>(node.nearCount);
       node.place.zeroNormal = Vec3(unitVector(normal, DVec3(node.place.oneNormal)));
     }
-  for (Node* const node : inserted) node->place.base = node->place.zero = Vec3(node->before);
+  for (const std::uint32_t i : inserted) nodes_[i].place.base = nodes_[i].place.zero = Vec3(nodes_[i].before);
 }
 
 // Those that are at 0 alone go along with the points that are nearest to them there; at 0 torn points are where they
 // were, and what others have done since is as around them.
 void ShapeMaker::placeRemoved() {
-  std::vector<Vec3> positions, normals;
-  std::vector<std::uint32_t> indices;
-  for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
-    if (!nodes_[i].place.isSeen) continue;
-    positions.push_back(nodes_[i].isKnown ? Vec3(nodes_[i].before) : nodes_[i].place.base);
-    normals.push_back(nodes_[i].place.zeroNormal);
-    indices.push_back(i);
-  }
-  if (indices.empty() || (removed_.empty() && std::ranges::none_of(nodes_, &Node::isTorn))) return;
-  const FacingTree tree(std::move(positions), std::move(normals));
+  const BareVector<std::uint32_t> indices = indicesOf(isSeen), torn = indicesOf([](const Node&node) {
+                                                                 return node.isTorn && node.place.kind == Kind::kept;
+                                                               });
+  if (indices.empty() || (removed_.empty() && torn.empty())) return;
+  const auto before = [](const Node& node) { return node.isKnown ? Vec3(node.before) : node.place.base; };
+  const FacingTree tree(of(indices, before), of(indices, zeroNormal));
   struct Around {
     DVec3 others{0}, displacement{0};
     double nearest = std::numeric_limits<double>::infinity(), spacing = 0;
@@ -347,17 +361,13 @@ void ShapeMaker::placeRemoved() {
     if (count > 0) found.others /= count, found.displacement /= count;
     return found;
   };
-  parallelFor(nodes_.size(), 0, [&](std::size_t begin, std::size_t end) {
+  parallelFor(torn.size(), 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      Node& node = nodes_[i];
-      if (!node.isTorn || node.place.kind != Kind::kept) continue;
+      Node& node = nodes_[torn[i]];
       node.place.zero = Vec3(DVec3(node.found) + around(node.found, node.place.zeroNormal).others);
     }
   });
-  std::vector<Vec3> after;
-  std::vector<Vec3> facing;
-  for (const std::uint32_t i : indices)
-    after.push_back(nodes_[i].place.one), facing.push_back(nodes_[i].place.oneNormal);
+  const BareVector<Vec3> after = of(indices, one);
   const PointTree ones(after);
   parallelFor(removed_.size(), 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -377,17 +387,21 @@ void ShapeMaker::placeRemoved() {
   });
 }
 
-std::vector<LayerPlace> ShapeMaker::places() {
-  std::vector<LayerPlace> places;
-  for (const Removed& removed : removed_) places.push_back(removed.place);
-  for (Node& node : nodes_) places.push_back(node.place);
-  std::ranges::sort(places, {}, &LayerPlace::number);
-  return places;
+BareVector<LayerPlace> ShapeMaker::places() const {
+  const auto placeOf = [&](std::size_t i) -> const LayerPlace& {
+    return i < nodes_.size() ? nodes_[i].place : removed_[i - nodes_.size()].place;
+  };
+  auto order = parallelMake(nodes_.size() + removed_.size(), 0, [](std::size_t i) { return i; });
+  const auto numberOf = [&](std::size_t i) { return placeOf(i).number; };
+  std::uint64_t numbers = 0;
+  for (const std::size_t i : order) numbers |= numberOf(i);
+  parallelRadixSort(order, static_cast<unsigned>(std::bit_width(numbers)), 0, numberOf);
+  return parallelMake(order.size(), 0, [&](std::size_t i) { return placeOf(order[i]); });
 }
 
 }  // namespace
 
-std::vector<LayerPlace> layerPlaces(std::span<const LayerRecord> records, const PointStates& present) {
+BareVector<LayerPlace> layerPlaces(std::span<const LayerRecord> records, const PointStates& present) {
   return ShapeMaker(records, present).places();
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "engine/core/attribute_change.hpp"
+#include "engine/core/bare_vector.hpp"
 #include "engine/edit/point_states.hpp"
 
 namespace palpate {
@@ -23,6 +23,6 @@ struct LayerRecord {
 /// neighbourhood share the surface before evenly (a discrete harmonic map; Eck et al. 1995), so that the surface in
 /// between has no rags. Points that exist before the strokes alone fill what would be sparse. Ascending by number, with
 /// the points around. `records`: ascending by number. `present`: all points, those of the records as there.
-std::vector<LayerPlace> layerPlaces(std::span<const LayerRecord> records, const PointStates& present);
+BareVector<LayerPlace> layerPlaces(std::span<const LayerRecord> records, const PointStates& present);
 
 }  // namespace palpate

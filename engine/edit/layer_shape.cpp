@@ -49,11 +49,8 @@ class PresentSurface {
 
  private:
   template <class Get>
-  std::vector<Vec3> of(const Get& get) const {
-    std::vector<Vec3> all;
-    all.reserve(indices_.size());
-    for (const std::size_t i : indices_) all.push_back(get(i));
-    return all;
+  BareVector<Vec3> of(const Get& get) const {
+    return parallelMake(indices_.size(), 0, [&](std::size_t k) { return get(indices_[k]); });
   }
 
   BareVector<std::size_t> indices_;
@@ -73,7 +70,7 @@ Vec3 LayerShape::presentNormal(std::size_t index, const LayerStrengths& strength
 
 void LayerShape::addNew(const PointStates& present, const LayerStrengths& strengths) {
   std::vector<std::pair<const PointState*, Kind>> fresh;
-  for (const PointState& state : present) {
+  for (const PointState& state : present.added()) {
     if (state.gone || state.parent == state.number || indexOf(state.number) < places_.size()) continue;
     const auto among =
         std::ranges::lower_bound(fresh, state.parent, {}, [](const auto& of) { return of.first->number; });
@@ -122,14 +119,15 @@ std::unordered_map<std::size_t, PointState> LayerShape::absentWithOthers(const P
                                                                          const LayerStrengths& strengths) const {
   std::unordered_map<std::size_t, PointState> absent;
   const auto expected = [&](std::size_t i) { return positionAt(i, strengths.of(places_[i].number)); };
-  const auto isAbsent = [&](std::size_t i) { return places_[i].kind != Kind::kept && isRemoved(i, strengths); };
+  const BareVector<std::uint32_t> removed = parallelCollect(
+      absentAtSome_.size(), 0, [&](std::size_t k) { return isRemoved(absentAtSome_[k], strengths); },
+      [&](std::size_t k) { return absentAtSome_[k]; });
   const auto exists = [&](std::size_t i) { return !present[places_[i].number].gone; };
   const auto isMoved = [&](std::size_t i) { return exists(i) && present[places_[i].number].position != expected(i); };
-  if (parallelCount(places_.size(), 0, isAbsent) == 0 || parallelCount(places_.size(), 0, isMoved) == 0) return absent;
+  if (removed.empty() || parallelCount(places_.size(), 0, isMoved) == 0) return absent;
   const auto normal = [&](std::size_t i) { return presentNormal(i, strengths); };
   const PresentSurface surface(places_, exists, expected, normal);
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    if (!isAbsent(i)) continue;
+  for (const std::uint32_t i : removed) {
     DVec3 moved{0}, was{0}, is{0};
     surface.around(expected(i), normal(i), [&](std::size_t k, double weight) {
       const PointState at = present[places_[k].number];
@@ -147,7 +145,7 @@ std::unordered_map<std::size_t, PointState> LayerShape::absentWithOthers(const P
 
 std::uint64_t LayerShape::bytes() const {
   return places_.capacity() * sizeof(LayerPlace) + surroundings_.capacity() * sizeof(Surroundings) +
-         nearMerged_.capacity() * sizeof(Near);
+         nearMerged_.capacity() * sizeof(Near) + absentAtSome_.capacity() * sizeof absentAtSome_[0];
 }
 
 // Normal of the surface, as long as the area there that is one at strength 1, or at 0 of points that exist there alone.
@@ -197,35 +195,33 @@ Vec3 LayerShape::positionAt(std::size_t index, double strength) const {
 
 void LayerShape::findSurroundings() {
   if (surroundings_.size() == places_.size()) return;
-  std::vector<Vec3> ones, oneNormals, bases, zeroNormals;
-  std::vector<std::uint32_t> indices;
-  const bool hasBefore = std::ranges::any_of(places_, isBefore);
-  for (std::uint32_t i = 0; i < places_.size(); ++i) {
-    const LayerPlace& place = places_[i];
-    if (!place.isSeen || isBefore(place)) continue;
-    ones.push_back(place.one), oneNormals.push_back(place.oneNormal);
-    indices.push_back(i);
-    if (!hasBefore) continue;
-    bases.push_back(place.base), zeroNormals.push_back(place.zeroNormal);
-  }
-  surroundings_.assign(places_.size(), {});
+  const auto indicesOf = [&](auto&& is) {
+    return parallelCollect(
+        places_.size(), 0, [&](std::size_t i) { return is(places_[i]); },
+        [](std::size_t i) { return static_cast<std::uint32_t>(i); });
+  };
+  const auto isOther = [](const LayerPlace& place) { return !place.isSeen || isBefore(place); };
+  const auto indices = indicesOf([&](const LayerPlace&place) { return !isOther(place); }), others = indicesOf(isOther);
+  absentAtSome_ = indicesOf([](const LayerPlace& place) { return place.kind != Kind::kept; });
+  surroundings_ = parallelMake(places_.size(), 0, [](std::size_t) { return Surroundings(); });
   nearMerged_.clear();
-  for (std::size_t i = 0; i < places_.size(); ++i) {
+  for (const std::uint32_t i : absentAtSome_) {
     if (places_[i].kind != Kind::merged) continue;
     surroundings_[i].merged = static_cast<std::uint32_t>(nearMerged_.size());
     nearMerged_.emplace_back();
   }
   range_ = {};
   if (indices.empty()) return;
-  const FacingTree after(std::move(ones), std::move(oneNormals)), before(std::move(bases), std::move(zeroNormals));
-  std::vector<std::uint32_t> order;
-  order.reserve(places_.size());
-  for (const std::uint32_t k : after.order()) order.push_back(indices[k]);
-  for (std::uint32_t i = 0; i < places_.size(); ++i)
-    if (!places_[i].isSeen || isBefore(places_[i])) order.push_back(i);
-  parallelFor(order.size(), 0, [&](std::size_t begin, std::size_t end) {
+  const auto all = [&](std::size_t count, Vec3 LayerPlace::*what) {
+    return parallelMake(count, 0, [&](std::size_t k) { return places_[indices[k]].*what; });
+  };
+  const bool hasBefore = std::ranges::any_of(absentAtSome_, [&](std::uint32_t i) { return isBefore(places_[i]); });
+  const std::size_t ofBefore = hasBefore ? indices.size() : 0;
+  const FacingTree after(all(indices.size(), &LayerPlace::one), all(indices.size(), &LayerPlace::oneNormal)),
+      before(all(ofBefore, &LayerPlace::base), all(ofBefore, &LayerPlace::zeroNormal));
+  parallelFor(places_.size(), 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t at = begin; at < end; ++at) {
-      const std::uint32_t i = order[at];
+      const std::uint32_t i = at < indices.size() ? indices[after.order()[at]] : others[at - indices.size()];
       const LayerPlace& place = places_[i];
       if (isStill(i)) continue;
       std::array<std::uint32_t, kNeighbours> near{};

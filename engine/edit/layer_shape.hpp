@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/core/attribute_change.hpp"
+#include "engine/core/bare_vector.hpp"
 #include "engine/edit/point_states.hpp"
 
 namespace palpate {
@@ -36,10 +37,12 @@ class LayerShape {
  public:
   LayerShape() = default;
   /// `places`: layerPlaces().
-  explicit LayerShape(std::vector<LayerPlace> places) : places_(std::move(places)) {}
+  explicit LayerShape(BareVector<LayerPlace> places) : places_(std::move(places)) {}
 
   bool empty() const { return places_.empty(); }
   std::span<const LayerPlace> places() const { return places_; }
+  /// Indices of the points that do not exist at all strengths. After findSurroundings().
+  std::span<const std::uint32_t> absentAtSome() const { return absentAtSome_; }
   /// Index of a point in places(), or places().size().
   std::size_t indexOf(std::uint64_t point) const;
   /// Includes points that other strokes have inserted since: they go along with those around them.
@@ -83,8 +86,9 @@ class LayerShape {
   Vec3 presentNormal(std::size_t index, const LayerStrengths& strengths) const;
   std::array<Vec3, 2> bendsOf(std::size_t index, std::span<const std::uint32_t> near) const;
 
-  std::vector<LayerPlace> places_;          // ascending by number
-  std::vector<Surroundings> surroundings_;  // as places_
+  BareVector<LayerPlace> places_;          // ascending by number
+  BareVector<Surroundings> surroundings_;  // as places_
+  BareVector<std::uint32_t> absentAtSome_;
   Range range_;
   std::vector<Near> nearMerged_;  // the points beside merged ones, before
 };

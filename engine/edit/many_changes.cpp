@@ -15,22 +15,13 @@ namespace {
 
 constexpr std::uint64_t kAtOnce = 1 << 20;  // points, but for a word
 
-/// Points in memory of the host that the GPU reads.
-struct SentPoints {
-  SentPoints(Device& device, std::uint64_t points)
-      : positions(Buffer::of<Vec4>(device, points, Memory::staging, "changed positions")),
-        normals(Buffer::of<Vec4>(device, points, Memory::staging, "changed normals")),
-        colors(Buffer::of<std::uint32_t>(device, points, Memory::staging, "changed colors")) {}
-  Buffer positions, normals, colors;
-};
-
 }  // namespace
 
 ManyChanges::ManyChanges(Device& device)
     : device_(device), place_(device, shader_code::edit_place_points, {.pushBytes = sizeof(shared::PlacePointsArgs)}) {}
 
 void ManyChanges::carryOut(const LiveCloud& cloud, const Buffer& tables, const PointSet& changed,
-                           std::span<const PointState> states, const PointSet& without) const {
+                           std::span<const PointState> states, const PointSet& without) {
   const LiveCloud::Half &from = cloud.front(), &to = cloud.back();
   const auto run = [&](auto&& record) {
     CommandList list(device_, device_.latencyQueue(), "many changes");
@@ -62,12 +53,17 @@ void ManyChanges::carryOut(const LiveCloud& cloud, const Buffer& tables, const P
   });
   const std::uint64_t capacity = std::min(there.points, kAtOnce + 64);
   if (capacity == 0) return;
-  const SentPoints sent(device_, capacity);
-  const auto positions = sent.positions.mapped<Vec4>(), normals = sent.normals.mapped<Vec4>();
-  const auto colors = sent.colors.mapped<std::uint32_t>();
-  args.positionsIn = sent.positions.address();
-  args.normalsIn = sent.normals.address();
-  args.colorsIn = sent.colors.address();
+  if (!sent_ || sent_->positions.bytes() < capacity * sizeof(Vec4)) {
+    sent_.reset();
+    sent_ = {Buffer::of<Vec4>(device_, capacity, Memory::staging, "changed positions"),
+             Buffer::of<Vec4>(device_, capacity, Memory::staging, "changed normals"),
+             Buffer::of<std::uint32_t>(device_, capacity, Memory::staging, "changed colors")};
+  }
+  const auto positions = sent_->positions.mapped<Vec4>(), normals = sent_->normals.mapped<Vec4>();
+  const auto colors = sent_->colors.mapped<std::uint32_t>();
+  args.positionsIn = sent_->positions.address();
+  args.normalsIn = sent_->normals.address();
+  args.colorsIn = sent_->colors.address();
   for (std::size_t begin = 0, end = 0; begin < there.words.size(); begin = end) {
     const std::uint64_t before = there.words[begin].before;
     while (end < there.words.size() && there.words[end].before - before < kAtOnce) ++end;

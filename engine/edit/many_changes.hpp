@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "engine/core/point_set.hpp"
@@ -19,11 +20,17 @@ class ManyChanges {
   /// `changed`, and those of `changed` that exist in `states`, by number, but for `without`. `tables`: of the points
   /// (shared::PointTables). The caller flips the cloud and builds its index. Waits for the latency queue.
   void carryOut(const LiveCloud& cloud, const Buffer& tables, const PointSet& changed,
-                std::span<const PointState> states, const PointSet& without) const;
+                std::span<const PointState> states, const PointSet& without);
 
  private:
+  /// Points in memory of the host that the GPU reads.
+  struct SentPoints {
+    Buffer positions, normals, colors;
+  };
+
   Device& device_;
   ComputePipeline place_;
+  std::optional<SentPoints> sent_;  // kept, since its allocation takes longer than a copy of the points
 };
 
 }  // namespace palpate

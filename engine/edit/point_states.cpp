@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-PointStates::PointStates(const PointCloud& file) : states_(statesOf(file)), present_(states_.size()) {}
+PointStates::PointStates(const PointCloud& file)
+    : states_(statesOf(file)), present_(states_.size()), file_(states_.size()) {}
 
 void PointStates::flip(const PointSet& points) {
   const std::vector<PointSet::Word> words = points.list();

@@ -55,6 +55,8 @@ class PointStates {
   bool knows(std::uint64_t point) const { return !index_ || index_->contains(point); }
   /// Number of states, including those of removed points.
   std::size_t size() const { return states_.size(); }
+  /// Includes all points that are not in the file.
+  std::span<const PointState> added() const { return std::span(states_).subspan(file_); }
   const PointState* begin() const { return states_.data(); }
   const PointState* end() const { return begin() + size(); }
   /// Number of existing points.
@@ -66,7 +68,7 @@ class PointStates {
 
   std::vector<PointState> states_;
   std::optional<std::unordered_map<std::uint64_t, std::size_t>> index_;  // by number; of a part alone
-  std::size_t present_ = 0;
+  std::size_t present_ = 0, file_ = 0;  // file_: states of a whole cloud before those of new points
 };
 
 }  // namespace palpate

@@ -184,18 +184,15 @@ LayerRecord StrokeLayers::Layer::recordOf(std::uint32_t index, const PointStates
 }
 
 void StrokeLayers::findShape(Layer& layer, const PointStates& present) {
-  const std::vector<StrokeLayerPoint>& points = layer.points;
-  std::vector<std::uint32_t> indices;
-  for (std::uint32_t i = 0; i < points.size(); ++i)
-    if (layer.isLast(i)) indices.push_back(i);
-  std::ranges::sort(indices, {}, [&](std::uint32_t i) { return points[i].after.number; });
-  std::vector<LayerRecord> records;
-  records.reserve(indices.size());
-  for (const std::uint32_t i : indices) {
-    records.push_back(layer.recordOf(i, present));
-    records.back().isOfMany = std::ranges::any_of(
-        layers_, [&](const Layer& other) { return &other != &layer && other.last(points[i].after.number) != kNone; });
-  }
+  const auto isOf = [](const Layer& each, std::uint64_t point) { return each.last(point) != kNone; };
+  const BareVector<LayerRecord> records = parallelCollect(
+      layer.pages.size() * kPage, 0, [&](std::uint64_t point) { return isOf(layer, point); },
+      [&](std::uint64_t point) {
+        LayerRecord record = layer.recordOf(layer.last(point), present);
+        record.isOfMany =
+            std::ranges::any_of(layers_, [&](const Layer& other) { return &other != &layer && isOf(other, point); });
+        return record;
+      });
   layer.shape = LayerShape(layerPlaces(records, present));
 }
 
@@ -218,8 +215,8 @@ void StrokeLayers::observe(std::uint32_t number, const PointStates& present) {
     layer.shape.addNew(present, layer.strengths());
   layer.shape.findSurroundings();
   const std::span<const LayerPlace> places = layer.shape.places();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (places[i].kind == LayerPlace::Kind::kept || layer.shape.isRemoved(i, layer.strengths())) continue;
+  for (const std::uint32_t i : layer.shape.absentAtSome()) {
+    if (layer.shape.isRemoved(i, layer.strengths())) continue;
     const std::uint64_t point = places[i].number;
     const bool isGone = present[point].gone;
     if (isGone == removed_.test(point) || isRemovedByOthers(point, layer)) continue;

@@ -405,7 +405,8 @@ void requestForAll() {
     if (!bends && subgroupElect()) args.tables.at[0].carried.at[id] = 0;
     if (!requests && !looks && !bends) continue;
     moved = id < firstNew ? !isAtRest(center, self.rest, self.spacing) : reach == mostReach;
-    swallowed = cuts && !isHeld && lockOf(args.tables, id) <= 0.5 && carved(brush, tool, center, self.normal).taken != 0;
+    swallowed =
+        cuts && !isHeld && lockOf(args.tables, id) <= 0.5 && carved(brush, tool, center, self.normal).taken != 0;
     foundAt = foundNormal = vec3(0.0);
     if (cuts || looks) {
       foundNormal = isNoted ? args.tables.at[0].founds.at[id].normal : self.normal;
