@@ -31,7 +31,7 @@ packages=(
   fonts-droid-fallback       # Chinese, Japanese and Korean letters in the window
   libstb-dev                 # PNG writing and reading
   zlib1g-dev                 # ZIP and gzip
-  libnanoflann-dev           # k-d tree: normals and spacing on load, reference neighbour sets
+  libnanoflann-dev           # k-d trees that benches compare with
   libpugixml-dev             # the XML of E57
   libdraco-dev               # glTF that is compressed by Draco
   libmeshoptimizer-dev       # glTF that is compressed by meshoptimizer

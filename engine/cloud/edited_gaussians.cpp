@@ -145,7 +145,7 @@ class GaussianEdit {
         threads_(threads),
         spacing_(meanSpacing(file, threads)),
         isAnyGone_(std::ranges::any_of(points.first(file.size()), &PointState::gone)),
-        tree_(file.positions),
+        tree_(file.positions, threads_),
         owners_(parallelMake(records.size(), threads, [&](std::size_t i) { return ownerOf(i); })) {}
 
   std::shared_ptr<const GaussianRecords> result() const {
@@ -268,7 +268,7 @@ class GaussianEdit {
     if (near.empty()) return;
     std::vector<Vec3> centers;
     for (const std::size_t i : near) centers.push_back(relativeCenter(i));
-    const PointTree tree(centers);
+    const PointTree tree(centers, threads_);
     for (auto& [ancestor, gaussians] : copied) {
       if (!gaussians.empty()) continue;
       std::uint32_t found = 0;
@@ -295,7 +295,7 @@ BareVector<GaussianOwner> gaussianOwners(const PointCloud& file, unsigned thread
   const GaussianRecords& records = *gaussiansOf(file);
   const GaussianColumns columns(records);
   const double spacing = meanSpacing(file, threads);
-  const PointTree tree(file.positions);
+  const PointTree tree(file.positions, threads);
   return parallelMake(records.size(), threads, [&](std::size_t i) {
     GaussianOwner owner = ownerIn(tree, Vec3(columns.center(records.row(i)) - file.origin), spacing);
     if (owner.isNear) addBeside(file, tree, owner);
@@ -352,7 +352,7 @@ void addPointBytes(PointCloud& cloud, std::string_view name, unsigned threads) {
     ofCenters.push_back(value);
   }
   if (centers.empty()) return;
-  const PointTree tree(centers);
+  const PointTree tree(centers, threads);
   parallelFor(cloud.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       std::uint32_t nearest = 0;

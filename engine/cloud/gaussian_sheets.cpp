@@ -74,7 +74,7 @@ struct SheetPlaces {
 };
 
 void findNeighbours(SheetPlaces& places, unsigned threads) {
-  const PointTree tree(places.points);
+  const PointTree tree(places.points, threads);
   places.graph.degree = kNeighbours;
   places.graph.neighbours.assign(places.points.size() * kNeighbours, kNobody);
   parallelFor(places.points.size(), threads, [&](std::size_t begin, std::size_t end) {

@@ -70,8 +70,10 @@ void fitPlanes(const PointTree& tree, std::span<const Vec3> points, std::span<co
     std::vector<double> squaredDistances(many);
     ManyEigen3 spreads, wideSpreads;
     std::vector<std::uint32_t> noisy;
+    NearbySearch search(tree), wideSearch(tree);
     const auto spread = [&](std::uint32_t i, std::size_t count) {
-      const std::size_t found = tree.nearest(points[i], {around.data(), count}, {squaredDistances.data(), count});
+      const std::size_t found = (count == few ? search : wideSearch)
+                                    .nearest(points[i], {around.data(), count}, {squaredDistances.data(), count});
       PALPATE_CHECK_EQ(found, count);
       return spreadOf(points, {around.data(), count}, points[i]);
     };
@@ -114,13 +116,14 @@ std::vector<Vec3> keptEdges(const PointTree& tree, std::span<const Vec3> points,
     std::vector<std::uint32_t> around(most);
     std::vector<double> squaredDistances(most), weights(most);
     std::vector<DVec3> likes(most);
+    NearbySearch search(tree);
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t i = tree.order()[k];
       const FittedPlane& own = planes[i];
       const double squaredSpacing = double{own.spacing} * own.spacing;
       normals[i] = own.normal;
       if (own.off <= kEdgeFrom * kEdgeFrom * squaredSpacing) continue;
-      const std::size_t found = tree.nearest(points[i], around, squaredDistances);
+      const std::size_t found = search.nearest(points[i], around, squaredDistances);
       double flattest = own.off;
       for (std::size_t n = 0; n < found; ++n) flattest = std::min(flattest, double{planes[around[n]].off});
       const double excess = (own.off - kEdgeOfNoise * flattest) / squaredSpacing;
@@ -154,7 +157,7 @@ std::vector<Vec3> keptEdges(const PointTree& tree, std::span<const Vec3> points,
 void fitNearestPlanes(std::span<const Vec3> points, std::span<const std::uint32_t> which, unsigned neighbours,
                       std::span<FittedPlane> planes, NeighbourGraph& graph, unsigned threads) {
   if (which.empty()) return;
-  const PointTree tree(points);
+  const PointTree tree(points, threads);
   std::vector<std::uint8_t> isWanted(points.size());
   for (const std::uint32_t i : which) isWanted[i] = 1;
   std::vector<std::uint32_t> ordered;
@@ -163,7 +166,7 @@ void fitNearestPlanes(std::span<const Vec3> points, std::span<const std::uint32_
 }
 
 std::vector<Vec3> keepEdges(std::span<const Vec3> points, std::span<const FittedPlane> planes, unsigned threads) {
-  return keptEdges(PointTree(points), points, planes, threads);
+  return keptEdges(PointTree(points, threads), points, planes, threads);
 }
 
 void signNormals(std::span<const Vec3> points, std::span<const FittedPlane> planes, const NeighbourGraph& graph,
@@ -182,7 +185,7 @@ void estimateNormals(PointCloud& cloud, unsigned neighbours, unsigned threads, s
   std::vector<FittedPlane> planes(count);
   NeighbourGraph graph{.degree = std::max(neighbours, 1u), .neighbours = {}};
   graph.neighbours.resize(graph.degree * count);
-  const PointTree tree(places.positions);
+  const PointTree tree(places.positions, threads);
   fitPlanes(tree, places.positions, tree.order(), neighbours, planes, graph, threads);
   std::vector<Vec3> normals = keptEdges(tree, places.positions, planes, threads);
   signNormals(places.positions, planes, graph, normals, threads, up ? *up : findUp(cloud).up);

@@ -107,7 +107,7 @@ SpacingRange spacingRange(const PointCloud& cloud, std::size_t largestTree, unsi
   const Places places = keep < 1 ? distinctPlaces(thinned(cloud.positions, keep, threads), threads)
                                  : distinctPlaces(cloud.positions, threads);
   if (places.positions.size() < 2) return {};
-  const PointTree tree(places.positions);
+  const PointTree tree(places.positions, threads);
   std::vector<Around> probes(std::min(kMaxProbes, places.positions.size()));
   parallelFor(probes.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n)

@@ -74,7 +74,7 @@ void normalsFromViews(PointCloud& cloud, std::span<const PointSight> sights, uns
   PALPATE_CHECK_EQ(sights.size(), cloud.size());
   cloud.normals.resize(cloud.size());
   if (cloud.empty()) return;
-  const PointTree tree(cloud.positions);
+  const PointTree tree(cloud.positions, threads);
   const std::size_t count = std::min<std::size_t>(std::max(neighbours, 1u), cloud.size());
   parallelFor(cloud.size(), threads, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> around(count);

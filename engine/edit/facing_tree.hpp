@@ -15,7 +15,7 @@ namespace palpate {
 class FacingTree {
  public:
   FacingTree(BareVector<Vec3> positions, BareVector<Vec3> normals)
-      : positions_(std::move(positions)), normals_(std::move(normals)), tree_(positions_) {}
+      : positions_(std::move(positions)), normals_(std::move(normals)), tree_(positions_, 0) {}
 
   /// Calls use(index, squared distance) for those of the nearest points that face as `facing` does, nearest first,
   /// until it returns false.

@@ -173,7 +173,7 @@ void ShapeMaker::addRing(const PointStates& present) {
   BareVector<Vec3> positions = of(indicesOf(isSeen), one);
   for (const Removed& removed : removed_) positions.push_back(removed.place.base);
   if (positions.empty()) return;
-  const PointTree tree(positions);
+  const PointTree tree(positions, 0);
   std::vector<double> spacings(std::min<std::size_t>(positions.size(), 256));
   for (std::size_t i = 0; i < spacings.size(); ++i) {
     std::array<std::uint32_t, kSpacingOf + 1> found;

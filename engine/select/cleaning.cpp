@@ -50,11 +50,11 @@ PointSet setOf(const std::vector<std::uint8_t>& truths, unsigned threads) {
 BareVector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t neighbours, unsigned threads,
                                       const ShareDone& progress) {
   PALPATE_CHECK_LE(1u, neighbours);
-  const Places places = distinctPlaces(cloud.positions);
+  const Places places = distinctPlaces(cloud.positions, threads);
   const std::size_t count = places.positions.size();
   std::vector<std::uint32_t> sharing(count, 0);  // points at a position
   for (const std::uint32_t place : places.placeOf) ++sharing[place];
-  const PointTree tree(places.positions);
+  const PointTree tree(places.positions, threads);
   std::vector<double> means(count);
   const std::size_t most = std::min<std::size_t>(std::size_t{neighbours} + 1, count);
   constexpr std::size_t kBlock = 1024;
@@ -62,11 +62,12 @@ BareVector<double> neighbourDistances(const PointCloud& cloud, std::uint32_t nei
   parallelBlocks(count, kBlock, threads, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> near(most);
     std::vector<double> squared(most);
-    for (std::size_t i = begin; i < end; ++i) {
+    NearbySearch search(tree);
+    for (const std::uint32_t i : tree.order().subspan(begin, end - begin)) {
       std::size_t left = neighbours, found = std::min<std::size_t>(left, sharing[i] - 1);
       left -= found;
       double sum = 0;
-      const std::size_t around = left > 0 ? tree.nearest(places.positions[i], near, squared) : 0;
+      const std::size_t around = left > 0 ? search.nearest(places.positions[i], near, squared) : 0;
       for (std::size_t n = 0; n < around && left > 0; ++n) {
         if (near[n] == i) continue;
         const std::size_t taken = std::min<std::size_t>(left, sharing[near[n]]);

@@ -46,7 +46,7 @@ double scaleBetween(std::span<const DVec3> before, std::span<const DVec3> after)
 
 }  // namespace
 
-GaussianCenters centersOf(const GaussianRecords& records, unsigned threads) {
+GaussianCenters centersOf(const GaussianRecords& records, bool withAttributes, unsigned threads) {
   const GaussianColumns columns(records);
   GaussianCenters centers;
   PointCloud& cloud = centers.cloud;
@@ -62,7 +62,7 @@ GaussianCenters centersOf(const GaussianRecords& records, unsigned threads) {
   cloud.storedAs.position = records.find("x")->type;
   movePoints(cloud, coordinates);
   for (const GaussianRecords::Column& column : records.columns) {
-    if (isCoordinate(column)) continue;
+    if (!withAttributes || isCoordinate(column)) continue;
     const std::size_t bytes = sizeOf(column.type);
     Attribute& attribute = cloud.extra.emplace_back(Attribute{column.name, column.type, {}});
     attribute.data.resize(bytes * cloud.size());
@@ -76,7 +76,7 @@ GaussianCenters centersOf(const GaussianRecords& records, unsigned threads) {
 
 std::shared_ptr<const GaussianRecords> changedGaussians(const GaussianRecords& records, const GaussianCenters& centers,
                                                         const PointCloud& points,
-                                                        std::span<const std::uint32_t> numbers) {
+                                                        std::span<const std::uint32_t> numbers, unsigned threads) {
   std::vector<GaussianRecords::Column> all = records.columns;
   std::size_t rowBytes = records.rowBytes;
   for (const Attribute& attribute : points.extra)
@@ -84,24 +84,28 @@ std::shared_ptr<const GaussianRecords> changedGaussians(const GaussianRecords& r
       all.push_back({attribute.name, attribute.type, rowBytes});
       rowBytes += sizeOf(attribute.type);
     }
+  std::vector<std::size_t> offsets;  // of the attributes
+  for (const Attribute& attribute : points.extra)
+    offsets.push_back(std::ranges::find(all, attribute.name, &GaussianRecords::Column::name)->offset);
   std::vector<DVec3> before(points.size()), after(points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     before[i] = centers.cloud.fileCoordinates(numbers[i]), after[i] = points.fileCoordinates(i);
   const double scale = scaleBetween(before, after);
   const GaussianColumns columns(records);  // which have the same positions in the new rows
   BareVector<std::byte> rows(points.size() * rowBytes);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    std::byte* const row = rows.data() + i * rowBytes;
-    std::memcpy(row, records.row(centers.numbers[numbers[i]]), records.rowBytes);
-    for (const Attribute& attribute : points.extra) {
-      const auto column = std::ranges::find(all, attribute.name, &GaussianRecords::Column::name);
-      const std::size_t bytes = sizeOf(attribute.type);
-      std::memcpy(row + column->offset, attribute.data.data() + i * bytes, bytes);
+  parallelFor(points.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      std::byte* const row = rows.data() + i * rowBytes;
+      std::memcpy(row, records.row(centers.numbers[numbers[i]]), records.rowBytes);
+      for (std::size_t k = 0; k < offsets.size(); ++k) {
+        const std::size_t bytes = sizeOf(points.extra[k].type);
+        std::memcpy(row + offsets[k], points.extra[k].data.data() + i * bytes, bytes);
+      }
+      if (after[i] != before[i]) columns.setCenter(row, after[i]);
+      if (scale != 1) columns.scale(row, std::log(scale));
+      if (points.colors[i] != centers.cloud.colors[numbers[i]]) columns.paint(row, points.colors[i]);
     }
-    if (after[i] != before[i]) columns.setCenter(row, after[i]);
-    if (scale != 1) columns.scale(row, std::log(scale));
-    if (points.colors[i] != centers.cloud.colors[numbers[i]]) columns.paint(row, points.colors[i]);
-  }
+  });
   return std::make_shared<const GaussianRecords>(std::move(all), std::move(rows));
 }
 

@@ -9,16 +9,16 @@
 namespace palpate {
 
 struct GaussianCenters {
-  PointCloud cloud;                    ///< their centres and colours; all other columns as attributes
+  PointCloud cloud;                    ///< their centres and colours; if asked for, all other columns as attributes
   std::vector<std::uint32_t> numbers;  ///< for each point its Gaussian; those without a finite centre are left out
 };
-GaussianCenters centersOf(const GaussianRecords& records, unsigned threads = 0);
+GaussianCenters centersOf(const GaussianRecords& records, bool withAttributes, unsigned threads = 0);
 
 /// Gaussians whose centres were prepared: those of `points`, by the index that each had in `centers`, with what differs
-/// there. Attributes that are new become further columns. If the coordinates were multiplied by a number, the same for
-/// all axes, the Gaussians are scaled by it.
+/// there, attributes included. Attributes that are new become further columns. If the coordinates were multiplied by a
+/// number, the same for all axes, the Gaussians are scaled by it.
 std::shared_ptr<const GaussianRecords> changedGaussians(const GaussianRecords& records, const GaussianCenters& centers,
                                                         const PointCloud& points,
-                                                        std::span<const std::uint32_t> numbers);
+                                                        std::span<const std::uint32_t> numbers, unsigned threads = 0);
 
 }  // namespace palpate

@@ -216,9 +216,10 @@ PreparedCloud preparedAll(PointCloud cloud, const Preparation& preparation, cons
   if (!gaussians || selecting == Preparation{})
     return preparedPoints(std::move(cloud), "point", preparation, options, report, distances);
   if (preparation.fillHoles_mm > 0) throw ConfigError("prepare.fill_holes_mm", "{}", kGaussiansKeepHoles);
-  const GaussianCenters centers = centersOf(*gaussians, options.threads);
+  const bool namesFields = !preparation.where.empty() || !preparation.set.empty();
+  const GaussianCenters centers = centersOf(*gaussians, namesFields, options.threads);
   PreparedCloud result = preparedPoints(centers.cloud, "Gaussian", selecting, options, report, distances);
-  auto changed = changedGaussians(*gaussians, centers, result.cloud, result.numbers);
+  auto changed = changedGaussians(*gaussians, centers, result.cloud, result.numbers, options.threads);
   result.numbers.clear();
   if (surface == SplatSurface::none && rotating == Preparation{}) {
     result.cloud = {};
