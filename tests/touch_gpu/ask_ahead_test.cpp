@@ -1,4 +1,5 @@
 // Questions that are submitted before their pose is known.
+// ctest: alone
 #include <chrono>
 #include <thread>
 
