@@ -31,7 +31,7 @@ BareVector<GaussianOwner> gaussianOwners(const PointCloud& file, unsigned thread
 /// The Gaussians of `file` (null: none) with its points in the states `points` (as for editedCloud()): those that stay,
 /// in their order, and then those of new points. All that does not change is the same bit by bit; if nothing does, the
 /// result is the baggage of `file` itself. A new point has copies of the Gaussians that its ancestor in the file has,
-/// or, if it has none, of the nearest one; a copy is at most as wide as the spacing of the points. O(N log N) if
+/// or otherwise those of the nearest one; a copy is at most as wide as the spacing of the points. O(N log N) if
 /// anything has changed.
 std::shared_ptr<const FormatBaggage> editedGaussians(const PointCloud& file, std::span<const PointState> points,
                                                      unsigned threads = 0);

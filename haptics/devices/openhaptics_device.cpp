@@ -34,8 +34,8 @@ constexpr double kHot = 0.95, kCooled = 0.85;
 constexpr std::uint32_t kTicksBetweenChecks = 100;
 constexpr std::uint32_t kPausedTicks = 1000;  // after each error, if the driver does not report the temperature
 constexpr std::uint32_t kUncalibratedTicks = 200;
-constexpr int kMaxComplaints = 32;  // errors read at a time: the stack must not delay a tick
-constexpr double kStall_s = 1;      // without a call; then the driver's scheduler is considered dead
+constexpr int kMaxComplaints = 32;       // errors read at a time: the stack must not delay a tick
+constexpr double kStall_s = 1;           // without a call; then the driver's scheduler is considered dead
 constexpr double kZeroWait_us = 50'000;  // for a scheduler that a loaded system holds up; else one tick of it
 constexpr std::size_t kMaxMotors = 8;
 constexpr double kDriverRate_Hz = 1000;

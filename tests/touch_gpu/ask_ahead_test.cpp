@@ -1,5 +1,4 @@
 // Questions that are submitted before their pose is known.
-// ctest: alone
 #include <chrono>
 #include <thread>
 
@@ -134,16 +133,26 @@ TEST_CASE("in real time no question waits for a hand that rests away from all su
   double time_s = 0;
   // Whether a question waits after the hand was there for so long.
   const auto waitsAfter = [&](double duration_s, const DVec3& hip) {
-    for (const double end_s = time_s + duration_s; time_s < end_s; time_s += kTick_s)
+    for (const double end_s = time_s + duration_s; time_s < end_s; time_s += kTick_s) {
       REQUIRE(touch.query({.time_s = time_s, .hip = hip}, kInRealTime_us).valid);
+      // A late answer of a software driver needs its time, and a core.
+      std::this_thread::sleep_for(std::chrono::milliseconds(device.isCpu() ? 3 : 0));
+    }
     return touch.waitsForPose();
   };
+  // Whether one waits in any of these ticks: after an answer that comes late, as on a busy machine, none is submitted.
+  const auto waitsWithin = [&](double duration_s, const DVec3& hip) {
+    bool waits = false;
+    for (const double end_s = time_s + duration_s; time_s < end_s && !waits;) waits = waitsAfter(kTick_s / 2, hip);
+    return waits;
+  };
   const DVec3 away(0, 0, 90), near(0, 0, 50.5), beside(0, 1, 90);
-  CHECK(waitsAfter(0.1, away));
+  CHECK(waitsWithin(0.1, away));
   CHECK(!waitsAfter(0.3, away));
-  CHECK(waitsAfter(kTick_s / 2, beside));  // it moves
+  CHECK(waitsWithin(0.1, beside));  // it moves
   CHECK(!waitsAfter(0.3, beside));
-  CHECK(waitsAfter(0.5, near));
+  waitsAfter(0.5, near);
+  CHECK(waitsWithin(0.3, near));
   CHECK(!waitsAfter(0.3, away));
 }
 
