@@ -7,6 +7,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/thread_priority.hpp"
 #include "haptics/crash_stop.hpp"
 #include "haptics/realtime_priority.hpp"
 
@@ -191,7 +192,11 @@ double ServoLoop::budgetOf(const TickPacer& pacer, std::uint64_t index) const no
 
 std::size_t ServoLoop::playByClock(ServoResult& result) {
   std::optional<RealtimePriority> priority;
-  if (!options_.clock) priority.emplace();
+  std::optional<HasDeadlines> deadlines;
+  if (!options_.clock) {
+    priority.emplace();
+    deadlines.emplace();
+  }
   result.realtimePriority = priority && priority->granted();
   const TickPacer pacer(options_.rate_Hz, result.realtimePriority, options_.clock);
   const SchedulingStatistics before = schedulingOfThisThread();
@@ -213,6 +218,7 @@ std::size_t ServoLoop::playByClock(ServoResult& result) {
 
 std::size_t ServoLoop::playByDevice(ServoResult& result) {
   const ZeroForceAtExit zero(hands_);
+  const HasDeadlines deadlines;
   result.pacedByDevice = true;
   std::optional<TickPacer> pacer;  // starts with the device's first tick
   std::uint64_t index = 0;

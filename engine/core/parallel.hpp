@@ -11,6 +11,7 @@
 
 #include "engine/core/job_stop.hpp"
 #include "engine/core/start_thread.hpp"
+#include "engine/core/thread_priority.hpp"
 
 namespace palpate {
 
@@ -19,8 +20,8 @@ inline unsigned threadCount(unsigned wanted) {
   return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
-/// Calls body(part) for every part in [0, parts), each on its own thread, which inherits this thread's stop request.
-/// The first exception is rethrown here.
+/// Calls body(part) for every part in [0, parts), each on its own thread, which inherits this thread's stop request
+/// and gives way to a thread with deadlines. The first exception is rethrown here.
 template <class Body>
 void parallelParts(std::size_t parts, Body&& body) {
   if (parts == 1) return body(std::size_t{0});
@@ -31,6 +32,7 @@ void parallelParts(std::size_t parts, Body&& body) {
   for (std::size_t part = 0; part < parts; ++part) {
     workers.push_back(startThread([&, part, stop = jobStop] {
       const JobStopScope scope(stop);
+      if (HasDeadlines::any()) giveWay();
       try {
         body(part);
       } catch (...) {

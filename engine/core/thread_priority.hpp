@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +11,21 @@ namespace palpate {
 /// and are preempted at once when others wake up. Permanent: an ordinary user cannot revert it. (On Windows threads
 /// that it starts have the default priority.)
 void giveWay() noexcept;
+
+/// While it lives, a thread of this program has deadlines to meet: those of parallel work give way (parallelParts()).
+class HasDeadlines {
+ public:
+  HasDeadlines() noexcept { ++count_; }
+  ~HasDeadlines() { --count_; }
+  HasDeadlines(const HasDeadlines&) = delete;
+  HasDeadlines& operator=(const HasDeadlines&) = delete;
+
+  /// Whether any lives now.
+  static bool any() noexcept { return count_ > 0; }
+
+ private:
+  inline static std::atomic<int> count_ = 0;
+};
 
 /// The threads of this program at some time, to distinguish later ones. Empty if the system does not list threads.
 class RunningThreads {

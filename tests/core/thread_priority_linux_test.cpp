@@ -5,8 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <thread>
 
+#include "engine/core/parallel.hpp"
 #include "tests/core/sleeping_thread.hpp"
 
 namespace palpate::thread_priority_test {
@@ -37,6 +39,23 @@ TEST_CASE("a thread that lowers its priority affects no other thread") {
     CHECK(::getpriority(PRIO_PROCESS, 0) > usual);
   }).join();
   CHECK(::getpriority(PRIO_PROCESS, 0) == usual);
+}
+
+TEST_CASE("threads of parallel work give way while a thread has deadlines, and not otherwise") {
+  const int usual = ::getpriority(PRIO_PROCESS, 0);
+  const auto checkNice = [&](bool givesWay) {
+    std::array<int, 2> nice{};
+    parallelParts(nice.size(), [&](std::size_t part) { nice[part] = ::getpriority(PRIO_PROCESS, 0); });
+    for (const int each : nice) CHECK((each > usual) == givesWay);
+    CHECK(::getpriority(PRIO_PROCESS, 0) == usual);
+  };
+  checkNice(false);
+  {
+    const HasDeadlines first;
+    const HasDeadlines second;
+    checkNice(true);
+  }
+  checkNice(false);
 }
 
 TEST_CASE("a thread avoids a core for a while, unless it is restricted to that core") {

@@ -11,6 +11,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/thread_priority.hpp"
 #include "haptics/devices/path_device.hpp"
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/haptics/troubled_hands.hpp"
@@ -236,6 +237,23 @@ TEST_CASE("real time runs up to 10 kHz, counts every tick and leaves at most 80 
   CHECK(result.late_us.count() == ticks);
   CHECK(sphere.smallestBudget_us >= 20);
   CHECK(sphere.largestBudget_us <= 80 + 1);
+}
+
+TEST_CASE("a session in real time has deadlines while it runs, one on a clock of its own has none") {
+  struct Watcher final : TickRecorder {
+    void ticked(const TraceRow&, const DeviceState&) noexcept override { ++(HasDeadlines::any() ? urgent : other); }
+    int urgent = 0, other = 0;
+  };
+  SphereContact sphere(kRadius);
+  SteppedClock stepped;
+  for (SteppedClock* clock : {static_cast<SteppedClock*>(nullptr), &stepped}) {
+    PathDevice device(touchAndGo());
+    Watcher watcher;
+    playedOn(sphere, device, {.duration_s = 0.02, .realtime = true, .clock = clock, .recorder = &watcher});
+    CHECK((watcher.urgent > 0) == (clock == nullptr));
+    CHECK((watcher.other > 0) == (clock != nullptr));
+    CHECK_FALSE(HasDeadlines::any());
+  }
 }
 
 TEST_CASE("on a clock that stands still during ticks no tick is late, and a query has unlimited time") {
