@@ -275,16 +275,18 @@ bool History::carryPresence(const PointSet& points, const CarryMany& carry) {
                  [&] { return carry(points, [&] { return presenceChanges(points, points_); }); });
 }
 
-bool History::carryStates(BareVector<PointState>& states, PointSet points, bool isSlide, const CarryMany& carry) {
-  const auto isAbsent = [&](std::size_t i) { return isSlide && states[i].gone && points_[states[i].number].gone; };
-  for (const std::uint64_t absent :
-       parallelCollect(states.size(), 0, isAbsent, [&](std::size_t i) { return states[i].number; }))
-    points.set(absent, false);
+bool History::carryStates(BareVector<PointState>& states, PointSet points, bool hasAbsent, const CarryMany& carry) {
+  if (hasAbsent) {
+    const auto isAbsent = [&](std::size_t i) { return states[i].gone && points_[states[i].number].gone; };
+    for (const std::uint64_t absent :
+         parallelCollect(states.size(), 0, isAbsent, [&](std::size_t i) { return states[i].number; }))
+      points.set(absent, false);
+  }
   const auto changes = [&] {
     std::vector<PointChange> made;
     made.reserve(states.size());
     for (const PointState& from : states)
-      if (!isSlide || points.test(from.number)) made.push_back({.from = from, .to = points_[from.number]});
+      if (!hasAbsent || points.test(from.number)) made.push_back({.from = from, .to = points_[from.number]});
     return made;
   };
   return carried([&] { points_.exchange(states); }, [&] { return points.empty() || carry(points, changes); });
@@ -316,33 +318,35 @@ void History::changeMany(BareVector<PointState> states, const CarryMany& carry) 
 void History::slide(StrokeLayerChange& change, const PointLock* lock, const CarryMany& carry,
                     std::optional<std::span<const PointState>> recorded) {
   PALPATE_CHECK(layers_ && !inStroke_);
-  BareVector<PointState> states = layers_->slide(change, points_, lock);
+  const bool isContinued = slid_ && change.moves == StrokeLayerChange::Points::slideContinued;
+  SlidPoints slid = layers_->slide(change, points_, lock);
+  BareVector<PointState>& states = slid.states;
   if (recorded) {
     std::erase_if(states, [&](const PointState& to) { return !to.gone || !points_[to.number].gone; });
     for (const PointState& to : *recorded) points_.set(points_[to.number]);  // all are known from now on
     states.insert(states.end(), recorded->begin(), recorded->end());
   }
-  PointSet slid = setOf(states);
-  const bool isContinued = slid_ && change.moves == StrokeLayerChange::Points::slideContinued;
+  if (recorded) slid.points = setOf(states), slid.hasAbsent = true;
   bool isSeen = false;
   const auto exchange = [&] {
-    PALPATE_CHECK(carryStates(states, slid, true, [&](const PointSet& points, const MadeChanges& changes) {
-      isSeen = true;
-      return carry(points, changes);
-    }));
+    PALPATE_CHECK(
+        carryStates(states, slid.points, slid.hasAbsent, [&](const PointSet& points, const MadeChanges& changes) {
+          isSeen = true;
+          return carry(points, changes);
+        }));
     layers_->exchange(change);
   };
   if (isContinued) {
     list_.extend([&](HistoryChange& made) {
       auto& kept = std::get<PointStroke>(made.what).points;
-      PointSet more = slid;
+      PointSet more = slid.points;
       more.remove(*slid_);
       kept.reserve(kept.size() + more.count());
       exchange();
       for (const PointState& state : more.empty() ? std::span<const PointState>() : states)
         if (more.test(state.number)) kept.push_back(state);
     });
-    slid.add(*slid_);
+    slid.points.add(*slid_);
   } else {
     list_.make({PointStroke{.received = received_}, version_}, [&](HistoryChange& made) {
       exchange();
@@ -352,7 +356,7 @@ void History::slide(StrokeLayerChange& change, const PointLock* lock, const Carr
     ++strokes_;
   }
   if (isSeen) version_ = ++lastVersion_;
-  slid_ = list_.last() ? std::optional(std::move(slid)) : std::nullopt;
+  slid_ = list_.last() ? std::optional(std::move(slid.points)) : std::nullopt;
 }
 
 std::vector<PointChange> presenceChanges(const PointSet& points, const PointStates& after) {

@@ -136,7 +136,7 @@ class History {
   // exchanged with the present ones; a slide also changes points that do not exist before and after, which concerns
   // the history alone.
   bool carryPresence(const PointSet& points, const CarryMany& carry);
-  bool carryStates(BareVector<PointState>& states, PointSet points, bool isSlide, const CarryMany& carry);
+  bool carryStates(BareVector<PointState>& states, PointSet points, bool hasAbsent, const CarryMany& carry);
   void keepBefore(std::uint64_t point);
   bool isInStroke(std::uint64_t point) const {
     const std::size_t at = points_.indexOf(point);

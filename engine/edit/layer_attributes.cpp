@@ -9,7 +9,7 @@
 #include "engine/cloud/edited_gaussians.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/checksum.hpp"
-#include "engine/core/parallel.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 
@@ -164,11 +164,15 @@ void LayerAttributes::follow(EditBatch& batch, const PointStates& before) {
   if (empty()) return;
   PointSet fresh;
   std::array<PointSet, kMaskRoles> flips;
-  for (const PointState& state : batch.points) {
-    const std::uint64_t point = state.number, parent = state.parent;
-    const PointState was = before[point];
-    const bool isKnown = !was.gone || was.parent != point;
-    if (isKnown || state.gone || parent == point) continue;
+  const auto isFresh = [&](std::size_t i) {
+    const PointState& state = batch.points[i];
+    if (state.gone || state.parent == state.number) return false;
+    const PointState was = before[state.number];
+    return was.gone && was.parent == state.number;
+  };
+  for (const std::size_t i :
+       parallelCollect(batch.points.size(), 0, isFresh, [](std::size_t found) { return found; })) {
+    const std::uint64_t point = batch.points[i].number, parent = batch.points[i].parent;
     fresh.set(point);
     for (std::size_t role = 0; role < kMaskRoles; ++role) {
       if (masks_[role].test(point) == masks_[role].test(parent)) continue;

@@ -70,8 +70,12 @@ Vec3 LayerShape::presentNormal(std::size_t index, const LayerStrengths& strength
 
 void LayerShape::addNew(const PointStates& present, const LayerStrengths& strengths) {
   std::vector<std::pair<const PointState*, Kind>> fresh;
-  for (const PointState& state : present.added()) {
-    if (state.gone || state.parent == state.number || indexOf(state.number) < places_.size()) continue;
+  const std::span<const PointState> added = present.added();
+  const auto isFresh = [&](std::size_t i) {
+    return !added[i].gone && added[i].parent != added[i].number && indexOf(added[i].number) == places_.size();
+  };
+  for (const std::size_t i : parallelCollect(added.size(), 0, isFresh, [](std::size_t found) { return found; })) {
+    const PointState& state = added[i];
     const auto among =
         std::ranges::lower_bound(fresh, state.parent, {}, [](const auto& of) { return of.first->number; });
     const std::size_t parent = indexOf(state.parent);
@@ -111,6 +115,7 @@ void LayerShape::addNew(const PointStates& present, const LayerStrengths& streng
   }
   if (made.empty()) return;
   surroundings_.clear();
+  moving_.clear();
   places_.insert(places_.end(), made.begin(), made.end());
   std::ranges::sort(places_, {}, &LayerPlace::number);
 }
@@ -145,16 +150,17 @@ std::unordered_map<std::size_t, PointState> LayerShape::absentWithOthers(const P
 
 std::uint64_t LayerShape::bytes() const {
   return places_.capacity() * sizeof(LayerPlace) + surroundings_.capacity() * sizeof(Surroundings) +
-         nearMerged_.capacity() * sizeof(Near) + absentAtSome_.capacity() * sizeof absentAtSome_[0];
+         nearMerged_.capacity() * sizeof(Near) +
+         (absentAtSome_.capacity() + moving_.capacity()) * sizeof absentAtSome_[0] + movingPoints_.bytes();
 }
 
 // Normal of the surface, as long as the area there that is one at strength 1, or at 0 of points that exist there alone.
 DVec3 LayerShape::areaAt(std::size_t index, double strength) const {
   const LayerPlace& place = places_[index];
-  const auto frame = frameAround(DVec3(isBefore(place) ? place.zeroNormal : place.oneNormal));
   const double from = isBefore(place) ? strength : strength - 1;
-  const auto& bends = surroundings_[index].bends;
-  return glm::cross(frame.u + from * DVec3(bends[0]), frame.v + from * DVec3(bends[1]));
+  const auto& terms = surroundings_[index].terms;
+  return DVec3(isBefore(place) ? place.zeroNormal : place.oneNormal) +
+         from * (DVec3(terms[0]) + from * DVec3(terms[1]));
 }
 
 // Where points have been drawn apart or together to less than a half, their order is reversed at -1 or 2. What
@@ -236,7 +242,7 @@ void LayerShape::findSurroundings() {
                    return count < kNeighbours;
                  });
       Surroundings& around = surroundings_[i];
-      around.bends = bendsOf(i, std::span(near).first(count));
+      around.terms = areaTermsOf(i, std::span(near).first(count));
       around.spacing = count > 0 ? static_cast<float>(sum / static_cast<double>(std::min(count, kMeanOf))) : 0;
       if (place.kind == Kind::merged) nearMerged_[around.merged] = {near, count};
     }
@@ -244,8 +250,9 @@ void LayerShape::findSurroundings() {
   findRange();
 }
 
-// By least squares in the tangent plane at the end at which the neighbours were found.
-std::array<Vec3, 2> LayerShape::bendsOf(std::size_t index, std::span<const std::uint32_t> near) const {
+// From the change of (one - base) along two tangents, by least squares in the tangent plane at the end at which the
+// neighbours were found: the cross product of two tangents that change so with the strength.
+std::array<Vec3, 2> LayerShape::areaTermsOf(std::size_t index, std::span<const std::uint32_t> near) const {
   const LayerPlace& place = places_[index];
   const auto displacement = [&](const LayerPlace& of) { return DVec3(of.one) - DVec3(of.base); };
   const auto at = [&](const LayerPlace& of) { return DVec3(isBefore(place) ? of.base : of.one); };
@@ -261,7 +268,16 @@ std::array<Vec3, 2> LayerShape::bendsOf(std::size_t index, std::span<const std::
   const double determinant = uu * vv - uv * uv;
   constexpr double kLine = 0.02;  // of points in a line
   if (determinant <= kLine * (uu + vv) * (uu + vv) / 4) return {};
-  return {Vec3((vv * ofU - uv * ofV) / determinant), Vec3((uu * ofV - uv * ofU) / determinant)};
+  const DVec3 alongU = (vv * ofU - uv * ofV) / determinant, alongV = (uu * ofV - uv * ofU) / determinant;
+  return {Vec3(glm::cross(frame.u, alongV) + glm::cross(alongU, frame.v)), Vec3(glm::cross(alongU, alongV))};
+}
+
+void LayerShape::findMoving(const std::function<bool(std::uint64_t)>& isStroked) {
+  if (!moving_.empty()) return;
+  moving_ = parallelCollect(
+      places_.size(), 0, [&](std::size_t i) { return !isStill(i) || isStroked(places_[i].number); },
+      [](std::size_t i) { return static_cast<std::uint32_t>(i); });
+  movingPoints_ = PointSet::of(moving_, [&](std::uint32_t i) { return places_[i].number; });
 }
 
 bool LayerShape::isRemoved(std::size_t index, const LayerStrengths& strengths) const {

@@ -5,12 +5,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "engine/core/attribute_change.hpp"
 #include "engine/core/bare_vector.hpp"
+#include "engine/core/point_set.hpp"
 #include "engine/edit/point_states.hpp"
 
 namespace palpate {
@@ -43,6 +45,9 @@ class LayerShape {
   std::span<const LayerPlace> places() const { return places_; }
   /// Indices of the points that do not exist at all strengths. After findSurroundings().
   std::span<const std::uint32_t> absentAtSome() const { return absentAtSome_; }
+  /// Indices of the points that may change with the strength, and their set. After findMoving().
+  std::span<const std::uint32_t> moving() const { return moving_; }
+  const PointSet& movingPoints() const { return movingPoints_; }
   /// Index of a point in places(), or places().size().
   std::size_t indexOf(std::uint64_t point) const;
   /// Includes points that other strokes have inserted since: they go along with those around them.
@@ -68,13 +73,16 @@ class LayerShape {
   Vec3 normalAt(std::size_t index, double strength) const;
   /// Before isRemoved() and normalAt(), and for one thread.
   void findSurroundings();
+  /// `isStroked(number)`: whether a stroke of the layer has changed that point, perhaps in its colour alone.
+  void findMoving(const std::function<bool(std::uint64_t)>& isStroked);
 
  private:
   static constexpr std::size_t kNeighbours = 10;
   struct Surroundings {
-    std::array<Vec3, 2> bends{};  // change of (one - base) along two tangents
-    float spacing = 0;            // of the points around
-    std::uint32_t merged = 0;     // index of a merged point
+    // Of the area there: it is the known normal + s terms[0] + s^2 terms[1], for strengths s from that of the normal.
+    std::array<Vec3, 2> terms{};
+    float spacing = 0;         // of the points around
+    std::uint32_t merged = 0;  // index of a merged point
   };
   struct Near {
     std::array<std::uint32_t, kNeighbours> indices{};
@@ -84,11 +92,12 @@ class LayerShape {
   bool isFolded(double strength) const;
   void findRange();
   Vec3 presentNormal(std::size_t index, const LayerStrengths& strengths) const;
-  std::array<Vec3, 2> bendsOf(std::size_t index, std::span<const std::uint32_t> near) const;
+  std::array<Vec3, 2> areaTermsOf(std::size_t index, std::span<const std::uint32_t> near) const;
 
   BareVector<LayerPlace> places_;          // ascending by number
   BareVector<Surroundings> surroundings_;  // as places_
-  BareVector<std::uint32_t> absentAtSome_;
+  BareVector<std::uint32_t> absentAtSome_, moving_;
+  PointSet movingPoints_;
   Range range_;
   std::vector<Near> nearMerged_;  // the points beside merged ones, before
 };

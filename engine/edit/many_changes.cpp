@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
-#include "engine/core/point_words.hpp"
+#include "engine/core/parallel.hpp"
 #include "engine/gpu/device.hpp"
-#include "engine/gpu/transfer.hpp"
 #include "shaders/compiled.hpp"
 #include "shaders/shared/edit.h"
 
@@ -31,14 +31,17 @@ void ManyChanges::carryOut(const LiveCloud& cloud, const Buffer& tables, const P
     device_.latencyQueue().run(list);
   };
   const std::vector<std::uint64_t> bits = changed.bits(cloud.slots());
-  const Buffer changedBits = Buffer::of<std::uint64_t>(device_, bits.size(), Memory::device, "changed points");
-  upload(device_, changedBits, bits);
+  if (!changed_ || changed_->bytes() < bits.size() * sizeof bits[0]) {
+    changed_.reset();
+    changed_ = Buffer::of<std::uint64_t>(device_, bits.size(), Memory::staging, "changed points");
+  }
+  std::ranges::copy(bits, changed_->mapped<std::uint64_t>().begin());
   shared::PlacePointsArgs args{.positionsIn = from.positions.address(),
                                .normalsIn = from.normals.address(),
                                .colorsIn = 0,
                                .positionsOut = to.positions.address(),
                                .normalsOut = to.normals.address(),
-                               .changed = changedBits.address(),
+                               .changed = changed_->address(),
                                .tables = tables.address(),
                                .count = cloud.slots(),
                                .unused = 0};
@@ -48,10 +51,13 @@ void ManyChanges::carryOut(const LiveCloud& cloud, const Buffer& tables, const P
     list.dispatch(place_, args.count, args);
   });
   const std::vector<std::uint64_t> out = without.bits(states.size());
-  const PointWords there = wordsWhere(changed, [&](std::uint64_t point) {
-    return point < states.size() && (out[point / 64] >> point % 64 & 1) == 0 && !states[point].gone;
-  });
-  const std::uint64_t capacity = std::min(there.points, kAtOnce + 64);
+  std::vector<PointSet::Word> words = changed.list();
+  std::uint64_t count = 0;
+  for (PointSet::Word& word : words) {
+    if (word.begin / 64 < out.size()) word.bits &= ~out[word.begin / 64];
+    word.before = std::exchange(count, count + static_cast<std::uint64_t>(std::popcount(word.bits)));
+  }
+  const std::uint64_t capacity = std::min(count, kAtOnce + 64);
   if (capacity == 0) return;
   if (!sent_ || sent_->positions.bytes() < capacity * sizeof(Vec4)) {
     sent_.reset();
@@ -64,14 +70,17 @@ void ManyChanges::carryOut(const LiveCloud& cloud, const Buffer& tables, const P
   args.positionsIn = sent_->positions.address();
   args.normalsIn = sent_->normals.address();
   args.colorsIn = sent_->colors.address();
-  for (std::size_t begin = 0, end = 0; begin < there.words.size(); begin = end) {
-    const std::uint64_t before = there.words[begin].before;
-    while (end < there.words.size() && there.words[end].before - before < kAtOnce) ++end;
-    args.count =
-        static_cast<std::uint32_t>((end < there.words.size() ? there.words[end].before : there.points) - before);
+  for (std::size_t begin = 0, end = 0; begin < words.size(); begin = end) {
+    const std::uint64_t before = words[begin].before;
+    while (end < words.size() && words[end].before - before < kAtOnce) ++end;
+    args.count = static_cast<std::uint32_t>((end < words.size() ? words[end].before : count) - before);
     parallelFor(end - begin, 0, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = begin + first; i < begin + last; ++i)
-        there.words[i].forEach([&](std::uint64_t point, std::uint64_t k) {
+        words[i].forEach([&](std::uint64_t point, std::uint64_t k) {
+          if (point >= states.size() || states[point].gone) {
+            positions[k - before] = Vec4(Vec3(0), std::bit_cast<float>(shared::kEmptySlot));
+            return;
+          }
           const PointState& state = states[point];
           positions[k - before] = Vec4(state.position, std::bit_cast<float>(static_cast<std::uint32_t>(point)));
           normals[k - before] = Vec4(state.normal, 0);

@@ -30,7 +30,9 @@ class ManyChanges {
 
   Device& device_;
   ComputePipeline place_;
-  std::optional<SentPoints> sent_;  // kept, since its allocation takes longer than a copy of the points
+  // Kept, since their allocation takes longer than a copy of the points.
+  std::optional<Buffer> changed_;  // a bit for each point, likewise in memory of the host
+  std::optional<SentPoints> sent_;
 };
 
 }  // namespace palpate

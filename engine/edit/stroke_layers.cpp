@@ -214,14 +214,16 @@ void StrokeLayers::observe(std::uint32_t number, const PointStates& present) {
   else
     layer.shape.addNew(present, layer.strengths());
   layer.shape.findSurroundings();
-  const std::span<const LayerPlace> places = layer.shape.places();
-  for (const std::uint32_t i : layer.shape.absentAtSome()) {
-    if (layer.shape.isRemoved(i, layer.strengths())) continue;
-    const std::uint64_t point = places[i].number;
-    const bool isGone = present[point].gone;
-    if (isGone == removed_.test(point) || isRemovedByOthers(point, layer)) continue;
-    removed_.set(point, isGone);
-  }
+  layer.shape.findMoving([&](std::uint64_t point) { return layer.last(point) != kNone; });
+  const std::span<const std::uint32_t> absent = layer.shape.absentAtSome();
+  const auto numberOf = [&](std::size_t k) { return layer.shape.places()[absent[k]].number; };
+  const auto isNews = [&](std::size_t k) {
+    const std::uint64_t point = numberOf(k);
+    return !layer.shape.isRemoved(absent[k], layer.strengths()) && present[point].gone != removed_.test(point) &&
+           !isRemovedByOthers(point, layer);
+  };
+  for (const std::uint64_t point : parallelCollect(absent.size(), 0, isNews, numberOf))
+    removed_.set(point, present[point].gone);
 }
 
 PointState StrokeLayers::slid(const Layer& layer, std::size_t index, const LayerStrengths& to,
@@ -264,7 +266,7 @@ void StrokeLayers::hold(const LayerShape& shape, const LayerStrengths& was, cons
   }
 }
 
-BareVector<PointState> StrokeLayers::slide(StrokeLayerChange& to, const PointStates& present, const PointLock* lock) {
+SlidPoints StrokeLayers::slide(StrokeLayerChange& to, const PointStates& present, const PointLock* lock) {
   observe(to.number, present);
   const Layer& layer = layers_[to.number];
   const LayerShape& shape = layer.shape;
@@ -276,7 +278,6 @@ BareVector<PointState> StrokeLayers::slide(StrokeLayerChange& to, const PointSta
   if (lock) hold(shape, layer.strengths(), *lock, present, to.set);
   const LayerStrengths was = layer.strengths(), then{to.set.shown(), to.set.held};
   const std::span<const LayerPlace> places = shape.places();
-  const auto moves = [&](std::size_t i) { return !shape.isStill(i) || layer.last(places[i].number) != kNone; };
   const auto next = [&](std::size_t i) {
     const std::uint64_t point = places[i].number;
     const auto at = absent.find(i);
@@ -285,10 +286,31 @@ BareVector<PointState> StrokeLayers::slide(StrokeLayerChange& to, const PointSta
       state.gone = shape.isRemoved(i, then) || removed_.test(point) || isRemovedByOthers(point, layer);
     return state;
   };
-  BareVector<PointState> states = parallelCollect(places.size(), 0, moves, next);
-  const auto changes = [&](std::size_t i) { return !isSameToTheBit(present[states[i].number], states[i]); };
-  if (parallelCount(states.size(), 0, changes) == states.size()) return states;
-  return parallelCollect(states.size(), 0, changes, [&](std::size_t i) { return states[i]; });
+  SlidPoints slid{.states = BareVector<PointState>(shape.moving().size()), .points = {}};
+  BareVector<PointState>& states = slid.states;
+  struct Counts {
+    std::size_t changed = 0, absent = 0;
+  };
+  const auto isChanged = [&](std::size_t k) { return !isSameToTheBit(present[states[k].number], states[k]); };
+  const auto make = [&](std::size_t begin, std::size_t end) {
+    Counts counts;
+    for (std::size_t k = begin; k < end; ++k) {
+      states[k] = next(shape.moving()[k]);
+      counts.changed += isChanged(k) ? 1 : 0;
+      counts.absent += states[k].gone && present[states[k].number].gone ? 1 : 0;
+    }
+    return counts;
+  };
+  const auto sum = [](Counts a, Counts b) { return Counts{a.changed + b.changed, a.absent + b.absent}; };
+  const Counts counts = parallelReduce(states.size(), 0, Counts(), make, sum);
+  slid.hasAbsent = counts.absent > 0;
+  if (counts.changed == states.size()) {
+    slid.points = shape.movingPoints();
+  } else {
+    states = parallelCollect(states.size(), 0, isChanged, [&](std::size_t k) { return states[k]; });
+    slid.points = PointSet::of(states, [](const PointState& state) { return state.number; });
+  }
+  return slid;
 }
 
 StrokeLayerChange renumbered(StrokeLayerChange change, std::span<const PointState> states,

@@ -17,6 +17,13 @@
 
 namespace palpate {
 
+/// The states of points by which a layer gets another strength.
+struct SlidPoints {
+  BareVector<PointState> states;  ///< ascending by number
+  PointSet points;
+  bool hasAbsent = true;  ///< false: each of them exists before or after
+};
+
 /// The layers of strokes of a cloud: the points before and after the strokes of each, which are recorded, undone and
 /// redone together with the entries of the history. The first change of a layer's strength since its last stroke finds
 /// its LayerShape, on which the points are at each strength from then on; what other strokes do to a point since then
@@ -47,7 +54,7 @@ class StrokeLayers {
   /// The states of the points, ascending by number, by which a layer gets another strength. Notes in `to` the points
   /// that `lock` holds; null: those that are noted. Throws Error if the layer cannot have that strength, unless it is
   /// recorded, without a lock.
-  BareVector<PointState> slide(StrokeLayerChange& to, const PointStates& present, const PointLock* lock);
+  SlidPoints slide(StrokeLayerChange& to, const PointStates& present, const PointLock* lock);
   /// Finds the layer's shape, and notes which points something else has removed, as long as this layer does not do so
   /// itself. Before each change of its strength.
   void observe(std::uint32_t number, const PointStates& present);

@@ -33,10 +33,15 @@ EditPipeline::EditPipeline(Device& device, const EditOptions& options, LiveIndex
       statistics_(statistics),
       pass_(device, options.brush, index.hash(), index.cloud(), log, colors, options.radius),
       stroke_(options.radius),
+      head_(Buffer::of<std::uint32_t>(device, 1, Memory::readback, "head of the edit log")),
+      readsHead_(device, device.latencyQueue(), "read head"),
       offered_(mostOffered(pass_)),
       pace_(kStalest_s) {
   if (offered_.most() > 0)
     offer_.list = std::make_unique<CommandList>(device, device.latencyQueue(), "offer", options.timing);
+  readsHead_.begin();
+  readsHead_.copy(log.headBuffer(), head_, head_.bytes());
+  readsHead_.end();
   stroke_.setBrush(options.brush);
   statistics_.editTimes_us.reserve(kEditTimesKept);
   statistics_.requestTimes_us.reserve(kEditTimesKept);
@@ -214,7 +219,10 @@ void EditPipeline::publish(std::uint32_t head) {
   offered_.done();
 }
 
-std::uint32_t EditPipeline::logHead() const { return download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]; }
+std::uint32_t EditPipeline::logHead() const {
+  device_.latencyQueue().run(readsHead_);
+  return head_.mapped<std::uint32_t>()[0];
+}
 
 void EditPipeline::collect(const Stopwatch* sinceAsked) {
   // Called after a later submission to the same queue has answered, so the edit's fence is about to be signalled.

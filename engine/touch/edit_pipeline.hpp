@@ -145,6 +145,9 @@ class EditPipeline {
   SurfaceMeasure measured_;  // sum over all edits so far
   BlockedCount blocked_;
   std::array<Lists, 2> lists_;
+  // Kept, since an allocation takes far longer than the copy of the head.
+  Buffer head_;
+  CommandList readsHead_;
   LastEdit last_;
   Next next_;
   OfferedChanges offered_;

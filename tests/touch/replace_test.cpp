@@ -135,6 +135,9 @@ TEST_CASE_FIXTURE(OnBackEndInCore, "all points and single ones are replaced at o
       states.back().gone = true;
       checkHas(*touch, scene.cloud, states);
     }
+    for (PointState& state : states) state.gone = state.number % 3 == 1;
+    REQUIRE(touch->edits()->replace(all, states, {}));
+    checkHas(*touch, scene.cloud, states);
   }
 }
 
