@@ -25,7 +25,7 @@ void bindSessionsPictures(py::class_<PySession>& session) {
              const std::string& colorRange, const std::string& material, const std::string& occlusion,
              const std::string& cavity, const std::string& ground, const std::string& eyeDome,
              const std::string& projection, double orthoHeight, bool transparent, const std::string& splats,
-             const std::string& backs) {
+             const std::string& backs, const std::string& side) {
             pp_picture_options options = pp_default_picture_options();
             options.width = size.first;
             options.height = size.second;
@@ -44,6 +44,7 @@ void bindSessionsPictures(py::class_<PySession>& session) {
             options.transparent = transparent ? 1 : 0;
             options.splats = splats.c_str();
             options.backs = backs.c_str();
+            options.side = side.c_str();
             give(eye, options.has_eye, options.eye);
             give(target, options.has_target, options.target);
             give(up, options.has_up, options.up);
@@ -57,11 +58,11 @@ void bindSessionsPictures(py::class_<PySession>& session) {
           py::arg("color_range") = "auto", py::arg("material") = "auto", py::arg("occlusion") = "auto",
           py::arg("cavity") = "auto", py::arg("ground") = "auto", py::arg("eye_dome") = "auto",
           py::arg("projection") = "perspective", py::arg("ortho_height") = 0.0, py::arg("transparent") = false,
-          py::arg("splats") = "auto", py::arg("backs") = "auto",
+          py::arg("splats") = "auto", py::arg("backs") = "auto", py::arg("side") = "auto",
           "render(size=(1280, 720), eye=None, target=None, up=None, fov=45, color='rgb', background=None, "
           "samples=4, color_map='auto', color_range='auto', material='auto', occlusion='auto', cavity='auto', "
           "ground='auto', eye_dome='auto', projection='perspective', ortho_height=0, transparent=False, "
-          "splats='auto', backs='auto')\n\n"
+          "splats='auto', backs='auto', side='auto')\n\n"
           "Draws the present points: uint8, height x width x 4, rows from the top. size: width, height,\n"
           "16384 at most. eye, target, up: model units; what is not given is chosen to fit the model. fov:\n"
           "vertical, degrees. color: rgb, material, normal, depth, height, or a field. background: three of\n"
@@ -76,7 +77,8 @@ void bindSessionsPictures(py::class_<PySession>& session) {
           "it. transparent: without a background; the fourth number of a pixel is its opacity.\n"
           "splats, of a splat scene: gaussians (as it was trained), surface (the points that are felt), or auto\n"
           "(gaussians). backs, of surfaces seen from there: shown, hidden, or auto (hidden in a room that was\n"
-          "scanned from inside).")
+          "scanned from inside). side, from which the model is seen, unless eye is given: front, back, left, right,\n"
+          "top, bottom, isometric (which is orthographic), or auto (from the front, slightly above).")
       .def(
           "mesh",
           [](PySession& self, std::uint32_t resolution, const std::string& surface, std::optional<double> radius_mm) {

@@ -160,6 +160,12 @@ BrushConfig brushFrom(const pp_brush& given) {
   return brush;
 }
 
+std::optional<ModelSide> sideFrom(const char* given) {
+  std::array<std::pair<std::string_view, std::optional<ModelSide>>, 1 + kModelSides.size()> choices{{{"auto", {}}}};
+  std::ranges::copy(kModelSides, choices.begin() + 1);
+  return chosen(choices, given, std::optional<ModelSide>(), "side");
+}
+
 PictureRequest pictureFrom(const pp_picture_options& options) {
   if (options.samples != 1 && options.samples != 4) throw UsageError("samples: {} is neither 1 nor 4", options.samples);
   static_assert(PP_MAX_PICTURE_SIDE == kMaxSide_px);
@@ -195,6 +201,7 @@ PictureRequest pictureFrom(const pp_picture_options& options) {
   if (projection == Projection::perspective && options.ortho_height > 0)
     throw UsageError("ortho_height: the projection is perspective");
   if (projection != Projection::perspective) request.camera.ortho = options.ortho_height;
+  request.camera.side = sideFrom(options.side);
   if (projection == Projection::isometric) request.camera.side = ModelSide::isometric;
   request.transparent = options.transparent != 0;
   if (options.has_background)

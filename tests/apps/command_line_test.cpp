@@ -36,6 +36,15 @@ bool answersOnSoftware(const ScratchFolder& folder) {
 
 }  // namespace
 
+TEST_CASE("doctor names a faster version of an old software driver") {
+  const std::string text = palpate("doctor").text, driver = "driver: llvmpipe Mesa ";
+  const std::size_t at = text.find(driver);
+  if (at == std::string::npos)
+    MESSAGE("skipped: there is no llvmpipe");
+  else
+    CHECK(says(text, "up to twice as fast") == (std::stoi(text.substr(at + driver.size())) < 25));
+}
+
 TEST_CASE("the overview is readable, and the options of touch are grouped under headings, common ones first") {
   const Outcome overview = palpate("--help");
   CHECK(overview.code == 0);

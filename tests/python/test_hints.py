@@ -47,6 +47,7 @@ def test_each_hint_lists_exactly_the_words_that_the_library_accepts(ball: pp.Clo
         assert words_in_error(lambda: session.render(projection=wrong)) == set(get_args(_types.Projection))
         assert words_in_error(lambda: session.render(splats=wrong)) == set(get_args(_types.Splats))
         assert words_in_error(lambda: session.render(backs=wrong)) == set(get_args(_types.Backs))
+        assert words_in_error(lambda: session.render(side=wrong)) == set(get_args(_types.Side))
         assert words_in_error(lambda: session.live(builtin=wrong)) == set(get_args(_types.BuiltinPath)) - {"stir"}
 
 

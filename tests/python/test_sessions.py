@@ -158,6 +158,8 @@ def test_pictures_are_arrays_with_the_ball_in_the_middle(session):
     ortho = session.render((160, 120), projection="orthographic", ortho_height=200, transparent=True)
     covered = (ortho[:, :, 3] > 127).sum()  # a ball of 50 in a picture 200 high
     assert covered == pytest.approx(np.pi * (RADIUS / 200 * 120) ** 2, rel=0.05)
+    seen = [session.render((160, 120), side=side, color="normal") for side in ("front", "back", "top", "isometric")]
+    assert all(not np.array_equal(a, b) for i, a in enumerate(seen) for b in seen[:i])
     lit = session.render((160, 120), material="metal", occlusion="on", cavity="on", ground="off", transparent=True)
     assert not np.array_equal(lit, clear)
     with pytest.raises(pp.UsageError, match="ortho_height"):

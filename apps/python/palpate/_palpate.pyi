@@ -17,6 +17,7 @@ from ._types import (
     MeshSurface,
     Projection,
     SessionOptions,
+    Side,
     Splats,
     SurfaceKind,
     Switch,
@@ -325,6 +326,7 @@ class _Session:
         transparent: bool = ...,
         splats: Splats = ...,
         backs: Backs = ...,
+        side: Side = ...,
     ) -> NDArray[np.uint8]: ...
     def mesh(self, resolution: int = ..., surface: MeshSurface = ..., radius_mm: float | None = ...) -> Mesh: ...
     def add_frame(

@@ -15,6 +15,7 @@ MeshSurface = Literal["sphere", "average", "sharp", "density"]
 Projection = Literal["perspective", "orthographic", "isometric"]
 Splats = Literal["auto", "gaussians", "surface"]
 Backs = Literal["auto", "hidden", "shown"]
+Side = Literal["auto", "front", "back", "left", "right", "top", "bottom", "isometric"]
 SurfaceKind = Literal["average", "sphere", "sharp"]
 Switch = Literal["auto", "on", "off"]
 ToolKind = Literal["point", "pad", "ball", "spatula"]
@@ -57,6 +58,7 @@ __all__ = [
     "MeshSurface",
     "Projection",
     "SessionOptions",
+    "Side",
     "Splats",
     "SurfaceKind",
     "Switch",

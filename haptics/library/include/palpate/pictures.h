@@ -50,6 +50,9 @@ typedef struct pp_picture_options {
   const char* splats;
   /** Surfaces seen from their back: "shown", "hidden"; null or "auto": hidden in a room that was scanned from inside */
   const char* backs;
+  /** Side from which the model is seen, unless `eye` is used: "front", "back", "left", "right", "top", "bottom", or
+   * "isometric" (which is orthographic); null or "auto": from the front, slightly above */
+  const char* side;
 } pp_picture_options;
 PP_OPTIONS(picture_options)
 /** Draws the present points into `rgba`: rows from the top, 4 bytes for each pixel; `bytes` is the size of the buffer.
