@@ -74,8 +74,10 @@ Json describe(std::FILE* out, std::size_t number, VkPhysicalDevice device) {
              VK_API_VERSION_MAJOR(p.apiVersion), VK_API_VERSION_MINOR(p.apiVersion), VK_API_VERSION_PATCH(p.apiVersion),
              local >> 20);
   if (drawsSlowly(driver))
-    fmt::print(out, "  Mesa {} draws up to twice as fast: on Debian 12, apt-get install -t bookworm-backports {}\n",
-               kFasterMesa, "mesa-vulkan-drivers");
+    fmt::print(out,
+               "  Mesa {} draws up to twice as fast; Debian 12 has it in backports:\n"
+               "    apt-get install -t bookworm-backports mesa-vulkan-drivers\n",
+               kFasterMesa);
   Json queues = Json::array(), features = Json::object();
   for (std::uint32_t i = 0; i < count; ++i) {
     fmt::print(out, "  queue family {}: {} x {}\n", i, families[i].queueCount, flagNames(families[i].queueFlags));

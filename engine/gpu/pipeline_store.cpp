@@ -9,8 +9,9 @@ namespace palpate {
 
 namespace {
 
-// Specialisation constants of watched shaders (shaders/lib/index.glsl): the halves of an address.
-constexpr std::uint32_t kLifeLow = 30, kLifeHigh = 31;
+// Specialisation constants that any shader may have: see shaders/lib/subgroup_meet.glsl, and, of watched ones,
+// shaders/lib/index.glsl: the halves of an address.
+constexpr std::uint32_t kLockstep = 29, kLifeLow = 30, kLifeHigh = 31;
 
 VkShaderModule makeModule(Device& device, const ShaderCode& code) {
   const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -73,12 +74,12 @@ ShaderStage::ShaderStage(Device& device, const ShaderCode& code, std::vector<std
       isKept_(device.instance().validation() == Validation::full),
       module_(isKept_ ? device.pipelines().keptModule(device, code) : makeModule(device, code)) {
   for (std::uint32_t i = 0; i < constants_.size(); ++i) entries_.push_back({i, i * 4, 4});
-  if (life != 0) {
-    for (const std::uint32_t id : {kLifeLow, kLifeHigh}) {
-      entries_.push_back({id, static_cast<std::uint32_t>(constants_.size() * 4), 4});
-      constants_.push_back(static_cast<std::uint32_t>(id == kLifeLow ? life : life >> 32));
-    }
-  }
+  const auto add = [&](std::uint32_t id, std::uint64_t value) {
+    entries_.push_back({id, static_cast<std::uint32_t>(constants_.size() * 4), 4});
+    constants_.push_back(static_cast<std::uint32_t>(value));
+  };
+  if (device.driverId() == VK_DRIVER_ID_MESA_LLVMPIPE) add(kLockstep, 1);
+  if (life != 0) add(kLifeLow, life), add(kLifeHigh, life >> 32);
   specialization_ = {.mapEntryCount = static_cast<std::uint32_t>(entries_.size()),
                      .pMapEntries = entries_.data(),
                      .dataSize = constants_.size() * 4,

@@ -7,6 +7,7 @@
 const bool kWalkNormals = false;
 uint walkedInBucket() { return 0xffffffffu; }
 #include "shaders/lib/neighbour_walk.glsl"
+#include "shaders/lib/subgroup_meet.glsl"
 
 // Neighbours that a workgroup keeps, each subgroup its part: at least as many as a step of its walk may find.
 const uint kKeptNeighbours = kWalkedAtOnce * gl_WorkGroupSize.x;
@@ -29,7 +30,7 @@ void visitNeighbour(uint at);
 // Makes what all invocations have written to shared memory visible to the subgroup.
 void subgroupShares() {
   subgroupMemoryBarrierShared();
-  subgroupBarrier();
+  subgroupMeet();
 }
 
 // Visits all points nearer than `radius` to `center`, each once. The whole subgroup calls it together. `budget`: of

@@ -5,6 +5,7 @@
 // One primitive at a time, by the functions that all passes use, with results that the host knows (engine/proof). An
 // invocation is numbered by scanIndex() within its workgroup.
 #include "shaders/lib/index.glsl"
+#include "shaders/lib/subgroup_meet.glsl"
 #include "shaders/lib/subgroup_sum.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
 #include "shaders/shared/proof.h"
@@ -65,13 +66,15 @@ void pass() {
   give(0, value);
   const uint first = place() - gl_SubgroupInvocationID;
   PassedWords words = PassedWords(uvec2(args.others));
-  for (uint round = 0; round < kProofRounds; ++round) {
+  // Some subgroups meet more often than others.
+  const uint rounds = kProofRounds + gl_SubgroupID % 3;
+  for (uint round = 0; round < rounds; ++round) {
     words.at[place()] = value;
     subgroupMemoryBarrierBuffer();
-    subgroupBarrier();
+    subgroupMeet();
     value = 3 * value + words.at[first + (gl_SubgroupInvocationID + 1) % gl_SubgroupSize];
     subgroupMemoryBarrierBuffer();
-    subgroupBarrier();
+    subgroupMeet();
   }
   give(1, value);
   give(2, gl_SubgroupSize);

@@ -8,6 +8,7 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/shared/radix_sort.h"
 #include "shaders/lib/index.glsl"
+#include "shaders/lib/subgroup_meet.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
 
 layout(constant_id = 1) const uint kSubgroups = 8;  // per workgroup
@@ -81,7 +82,7 @@ void main() {
     if (before == 0) start = atomicAdd(subgroupCounts[gl_SubgroupID * radix + digit], subgroupBallotBitCount(peers));
     ranks[item] = subgroupShuffle(start, subgroupBallotFindLSB(peers)) + before;
     subgroupMemoryBarrierShared();
-    subgroupBarrier();
+    subgroupMeet();
   }
   barrier();
   scanCounts(part, radix);

@@ -8,6 +8,7 @@
 #extension GL_KHR_shader_subgroup_vote : require
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_update.glsl"
+#include "shaders/lib/subgroup_meet.glsl"
 #include "shaders/lib/subgroup_reduce.glsl"
 
 layout(push_constant, scalar) uniform Push { HashUpdateArgs args; };
@@ -68,7 +69,7 @@ uint closeGaps(uint bucket, uvec2 range, uint to, out uint gone) {
     }
     const uvec4 ballot = subgroupBallot(stays);
     subgroupMemoryBarrierBuffer();  // all have read before any writes
-    subgroupBarrier();
+    subgroupMeet();
     const uint place = to + subgroupBallotExclusiveBitCount(ballot);
     if (stays && (moved || place != slot)) {
       args.cloud.positions.at[place] = position;
@@ -105,7 +106,7 @@ uvec2 arrivalOf(uint mark, Arrivals list, out uint run) {
     if (spills && gl_SubgroupInvocationID < count) list.at[run + base + gl_SubgroupInvocationID] = mine;
   }
   subgroupMemoryBarrierBuffer();
-  subgroupBarrier();
+  subgroupMeet();
   return first;
 }
 
@@ -115,7 +116,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer Sh
 
 void subgroupShares() {
   subgroupMemoryBarrierBuffer();
-  subgroupBarrier();
+  subgroupMeet();
 }
 
 // Number of points with a smaller id among those in the slots `range`, which are in the order of their ids.
