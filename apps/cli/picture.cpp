@@ -236,6 +236,8 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
     context.log().say("{}: the model has no points, and the picture is empty", name);
   else if (!upNamed(options.look.up))
     context.log().say("{}: up is {}: {}", name, nameOf(upright.up), upright.why);
+  if (const std::string note = hiddenBacksNote(model, options.light); !note.empty())
+    context.log().say("{}: {}", name, note);
   const std::vector<Camera> cameras = camerasFor(files, options, model, guides, upright.up, aspect);
   Annotations annotations;
   if (options.scaleBar) annotations.scale = lengthText(scaleBarLength(cameras.front(), size), unit);

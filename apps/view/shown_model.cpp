@@ -1,6 +1,7 @@
 #include "apps/view/shown_model.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "apps/cli/picture.hpp"
 #include "apps/cli/probe_overlays.hpp"
@@ -36,7 +37,7 @@ void ShownModel::forget() {
   field_.forget();
   edited_ = {};
   lockedPoints_ = 0;
-  saidOfGaussians_ = false;
+  saidOfGaussians_ = saidOfBacks_ = false;
   madeBefore_ = picture_.made();
 }
 
@@ -52,6 +53,8 @@ void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measur
     saidOfGaussians_ = true;
     messages.say(session.drawn().gaussians()->inWords());
   }
+  if (isSeen && !std::exchange(saidOfBacks_, true))
+    if (const std::string note = hiddenBacksNote(model, view.light); !note.empty()) messages.say(note);
   try {
     field_.follow(session, edited_, view);
   } catch (const DeviceLost&) {

@@ -59,7 +59,7 @@ class ShownModel {
 
   EditBatch edited_;              // since the last frame
   std::size_t lockedPoints_ = 0;  // for which the picture has weights of locks; 0: not yet
-  bool saidOfGaussians_ = false;
+  bool saidOfGaussians_ = false, saidOfBacks_ = false;
   std::uint64_t madeBefore_ = 0;  // pictures of earlier models
   double moved_s_ = 0;            // time of the last frame that differed from the one before
 };

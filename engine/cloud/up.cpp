@@ -196,12 +196,14 @@ std::optional<Upright> asSurroundings(const PointCloud& cloud, const VoxelSample
 /// street between walls that face each other and show only their backs from outside.
 bool isInterior(const UprightShape& shape, UpAxis up, bool hasNormals) {
   constexpr double kBacks = 0.3, kOpen = 0.7;  // shares of what is seen from a side that faces the viewer
+  constexpr double kUprightWall = 0.05;        // share of the positions; slopes of a wavy sheet face up
   if (!hasNormals) return false;
   if (asInterior(shape)) return true;
   const Sides sides = sidesOf(up);
   const auto showsBacks = [&](int axis) {
     const auto side = static_cast<UpAxis>(axis);
-    return shape.seenFrom(side).outside < kBacks && shape.seenFrom(opposite(side)).outside < kBacks;
+    return std::min(shape.facing(side), shape.facing(opposite(side))) > kUprightWall &&
+           shape.seenFrom(side).outside < kBacks && shape.seenFrom(opposite(side)).outside < kBacks;
   };
   constexpr std::size_t kClosed = 5;  // walls: a floor may be covered
   const bool across = showsBacks(sides.across), along = showsBacks(sides.along);

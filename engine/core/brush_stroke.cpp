@@ -115,14 +115,25 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   touched_ = touches;
   const bool holds = has(shared::kHoldsPoints) && open_ && sculpts;
   if (!sculpts || (press == Press::contact && !holds && wasLifted)) open_ = false;
-  const Place place{.hip = hip, .jumps = !acts_, .outward = outwardOf(contact, spring), .found = hip + spring};
+  Place place{.hip = hip, .jumps = !acts_, .outward = outwardOf(contact, spring), .found = hip + spring};
   if (touches && keepsSide && (open_ || brokeThrough_)) noteSide(place);
   if (yields && !isGoingOn() && !brokeThrough_) begin(place);
   // Withdraws: moves towards the proxy. A hand that moves sideways does not, although the proxy trails behind it.
   const bool withdraws = !has(shared::kHoldsPoints) && motion != DVec3(0) &&
                          glm::dot(motion, spring) > kWithdrawing * glm::length(motion) * glm::length(spring);
-  acts_ = open_ && (holds || (yields && !brokeThrough_)) && !withdraws;
+  // What removes points goes on without contact where it has cut through a thin part, below the surface as it was.
+  const bool cutsOn =
+      has(shared::kRemovesPoints) && press == Press::button && open_ && sculpts && !touches && isBelow(hip);
+  if (cutsOn) place.outward = outward_, place.found = foundAt_;
+  acts_ = open_ && (holds || cutsOn || (yields && !brokeThrough_)) && !withdraws;
   if (acts_) goOnTo(place);
+}
+
+// Below the surface that the stroke found last, and not beyond the reach of a tool there.
+bool BrushStroke::isBelow(const DVec3& hip) const {
+  const DVec3 way = foundAt_ - hip;
+  const double depth = glm::dot(way, outward_), most = kMaxShaft * brush_.radius;
+  return depth > 0 && depth < most && glm::distance(way, depth * outward_) < most;
 }
 
 void BrushStroke::begin(const Place& place) {

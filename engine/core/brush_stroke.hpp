@@ -107,6 +107,7 @@ class BrushStroke {
   double sheetCell() const;
   void beginSheet();
   void takeIn(const SurfaceMeasure& measure);
+  bool isBelow(const DVec3& hip) const;
   void placeTool();
   DVec3 held() const;
   double steepestAhead(const DVec3& motion) const;

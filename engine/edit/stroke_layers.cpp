@@ -256,14 +256,15 @@ PointState StrokeLayers::slid(const Layer& layer, std::size_t index, const Layer
 // A point that is locked in part goes as much less far, however often.
 void StrokeLayers::hold(const LayerShape& shape, const LayerStrengths& was, const PointLock& lock,
                         const PointStates& present, StrokeLayer& set) {
-  set.held.clear();
-  if (lock.empty() && was.held.empty()) return;
-  for (const LayerPlace& place : shape.places()) {
-    const double weight = lock.weightOf(place.number, present[place.number].parent);
-    const double from = was.of(place.number);
-    const double to = weight == 0 ? set.shown() : from + (1 - weight) * (set.shown() - from);
-    if (to != set.shown()) set.held.push_back({place.number, to});
-  }
+  if (lock.empty() && was.held.empty()) return set.held.clear();
+  const auto heldAt = [&](std::size_t i) {
+    const std::uint64_t point = shape.places()[i].number;
+    const double weight = lock.weightOf(point, present[point].parent), from = was.of(point);
+    return HeldPoint{point, weight == 0 ? set.shown() : from + (1 - weight) * (set.shown() - from)};
+  };
+  const auto isHeld = [&](std::size_t i) { return heldAt(i).strength != set.shown(); };
+  const BareVector<HeldPoint> held = parallelCollect(shape.places().size(), 0, isHeld, heldAt);
+  set.held.assign(held.begin(), held.end());
 }
 
 SlidPoints StrokeLayers::slide(StrokeLayerChange& to, const PointStates& present, const PointLock* lock) {

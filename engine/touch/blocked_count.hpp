@@ -13,7 +13,7 @@ namespace palpate {
 class BlockedCount {
  public:
   /// Takes in an edit of that stroke: the points that were blocked, and those that changed otherwise. `meets`: whether
-  /// points face the tool.
+  /// points face the tool. A stroke that has reached points is not from behind, whatever it has left of them.
   void note(std::uint32_t stroke, std::uint64_t blocked, std::uint64_t changed, bool meets) noexcept {
     // Nearly all: of those that are not at rest, and not a few beside a brush that has reached its depth.
     constexpr std::uint64_t kChangedOf = 8, kShareOfMost = 4;
@@ -22,7 +22,7 @@ class BlockedCount {
     const bool nearlyAll = blocked > kChangedOf * changed && kShareOfMost * blocked >= most_;
     moves_.fetch_add(blocked, std::memory_order_relaxed);
     edits_.fetch_add(nearlyAll, std::memory_order_relaxed);
-    fromBehind_.fetch_add(!meets && blocked + changed == 0, std::memory_order_relaxed);
+    fromBehind_.fetch_add(!meets && most_ == 0, std::memory_order_relaxed);
   }
   /// Takes in a tick in which a hand with its button pressed is behind the surface and touches nothing.
   void noteBehind() noexcept { fromBehind_.fetch_add(1, std::memory_order_relaxed); }

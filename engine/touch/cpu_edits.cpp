@@ -44,7 +44,7 @@ void CpuEdits::feel(const Contact& contact, const Pose& pose) {
   if (!brush_) return;
   const DVec3 spring = contact.touching ? contact.proxy - pose.hip : DVec3(0);
   stroke_.feel(contact, pose.hip - setting_.origin, spring, pose.press(), pose.time_s);
-  if (contact.isWithin && pose.press() == Press::button) blocked_.noteBehind();
+  if (contact.isWithin && pose.press() == Press::button && !stroke_.isGoingOn()) blocked_.noteBehind();
   if (!stroke_.isGoingOn() && sculpture_.settled()) markStroke();
 }
 

@@ -102,7 +102,7 @@ void EditPipeline::feel(const Contact& contact, const Pose& pose, const DVec3& o
   if (!brushOn_) return;
   const DVec3 spring = contact.touching ? contact.proxy - pose.hip : DVec3(0);
   stroke_.feel(contact, pose.hip - origin, spring, pose.press(), pose.time_s);
-  if (contact.isWithin && pose.press() == Press::button) blocked_.noteBehind();
+  if (contact.isWithin && pose.press() == Press::button && !stroke_.isGoingOn()) blocked_.noteBehind();
   if (!stroke_.isGoingOn() && !pass_.unsettled()) markStroke();
 }
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "engine/core/vec.hpp"
 
@@ -17,7 +18,8 @@ struct DrawnPose {
   DVec3 toEye{0};        ///< unit; the stylus is put down and lifted along it
   double inward = 0;     ///< depth of the stylus; negative: in front of the surface
   bool putDown = false;  ///< the stylus is lifted, and put down here: it did not move here
-  bool holds = false;    ///< it holds what it touched first, and need not touch anything later
+  /// From this length of the spring on, model units, it holds what it touched first, and need not touch anything later.
+  std::optional<double> holdsFrom;
   bool ends = false;     ///< the stroke ends: the stylus is lifted
 };
 

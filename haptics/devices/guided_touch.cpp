@@ -98,10 +98,14 @@ int GuidedTouch::takePoses() noexcept {
 }
 
 // Never farther from the proxy than the stroke presses: a surface that yields is pressed no deeper, and a proxy that is
-// held back is not left behind.
+// held back is not left behind. What it holds goes along with the pointer alone: from the tick on at which it takes hold
+// it presses no deeper, and it comes down to there slowly, since an answer may be late.
 void GuidedTouch::follow(const DrawnPose& pose, int ticks) noexcept {
   const double step = kFastestHand_mm_per_s * options_.tick_s * map_.scale * ticks;
-  inward_ += std::clamp(pose.inward - inward_, -step, step);
+  if (pose.holdsFrom && !grip_ && toProxy_ && map_.scale * glm::length(*toProxy_) > *pose.holdsFrom)
+    grip_ = pose.inward - inward_;
+  const double most = pose.holdsFrom && inward_ > 0 ? step / kGripTimes : step;
+  inward_ += std::clamp(pose.inward - grip_.value_or(0) - inward_, -most, most);
   DVec3 to = placeOf(pose);
   if (toProxy_) {
     const DVec3 proxy = hip_ + map_.scale * *toProxy_, way = to - proxy;
@@ -115,7 +119,7 @@ void GuidedTouch::follow(const DrawnPose& pose, int ticks) noexcept {
 
 // Whether the stylus that presses has had no contact, or has stayed behind, for too long.
 bool GuidedTouch::isLost(const DrawnPose& pose, int ticks) noexcept {
-  if (pose.holds || !(inward_ > 0) || inward_ != pose.inward) return false;
+  if (pose.holdsFrom || !(inward_ > 0) || inward_ != pose.inward) return false;
   DVec3 behind = toProxy_ ? placeOf(pose) - hip_ - map_.scale * *toProxy_ : DVec3(0);
   // A surface that the stroke itself has raised is above its place, and not lost.
   behind += std::max(-glm::dot(behind, pose.outward) - pose.inward, 0.0) * pose.outward;
@@ -134,6 +138,7 @@ DeviceState GuidedTouch::readStroke() noexcept {
   state.putDown = pose_->putDown || pose_->ends || isLost(*pose_, ticks);
   if (pose_->putDown) raised_ = 0;
   if (state.putDown) {
+    grip_.reset();
     inward_ = -kHover_mm * map_.scale - raised_;
     hip_ = placeOf(*pose_);
     lost_s_ = -kPutDown_s;

@@ -14,6 +14,8 @@ SimulatedTouchOptions guidedHand(const DVec3& workspace_mm);
 
 /// Maximum speed of a guided hand: that of a quick one.
 inline constexpr double kFastestHand_mm_per_s = 600;
+/// Number of times that a stroke which will hold what it touches comes down more slowly, below the surface.
+inline constexpr double kGripTimes = 8;
 /// Distance from the surface at which a drawn stroke puts the stylus down, and to which it lifts it.
 inline constexpr double kHover_mm = 4;
 
@@ -87,6 +89,7 @@ class GuidedTouch final : public HapticDevice {
   bool wasDrawn_ = false;          // a stroke has ended since the last aim
   DVec3 hip_{0};                   // during a stroke; model units, as the next one
   double inward_ = 0;
+  std::optional<double> grip_;    // by how much less deep than the pose it holds what it touched
   double raised_ = 0;             // highest proxy over the stroke's place, since it was put down
   DVec3 lastPosition_{0};         // as it was read last, in the device's unit
   double lost_s_ = 0;             // without contact, or far from it

@@ -52,4 +52,10 @@ FrameOptions frameOptionsOf(const Model& model, UpAxis up, const ColorConfig& co
   return options;
 }
 
+std::string hiddenBacksNote(const Model& model, const LightConfig& light) {
+  if (light.hidesBacks || !model.upright.isInterior) return "";
+  return "it looks like a room or a street scanned from inside, so surfaces are not drawn from their backs; the "
+         "setting backs draws them: shown";
+}
+
 }  // namespace palpate

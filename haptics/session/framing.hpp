@@ -1,6 +1,8 @@
 // Framing and look of a picture of a session's model.
 #pragma once
 
+#include <string>
+
 #include "engine/render/camera.hpp"
 #include "haptics/session/colored_field.hpp"
 #include "haptics/session/light_config.hpp"
@@ -17,5 +19,7 @@ double discRadiusOf(const Model& model);
 /// points; null: the source of `color` does.
 FrameOptions frameOptionsOf(const Model& model, UpAxis up, const ColorConfig& color, const ColoredField* field,
                             const LightConfig& light, const LightFor& picture);
+/// That the pictures show no surface from its back, if that was not chosen but found: else empty.
+std::string hiddenBacksNote(const Model& model, const LightConfig& light);
 
 }  // namespace palpate

@@ -184,7 +184,7 @@ StrokeOptions InteractiveSession::strokeOptions(double press_mm) const {
                         .inward = model().scale.toUnits(press_mm)};
   if (const auto& brush = config().brush) {
     options.inward += model().scale.toUnits(brush->yieldDepth_mm);
-    options.holds = brushHas(brush->kind, shared::kHoldsPoints);
+    if (brushHas(brush->kind, shared::kHoldsPoints)) options.holdsFrom = model().scale.toUnits(brush->yieldDepth_mm);
   }
   return options;
 }

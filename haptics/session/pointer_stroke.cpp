@@ -58,18 +58,19 @@ void PointerStroke::release(double time_s) {
 double PointerStroke::step() const { return options_.unitsPer_mm * kFastestHand_mm_per_s * options_.tick_s; }
 
 std::optional<FoundSpot> PointerStroke::spotAt(const DVec2& place_px) const {
-  if (!first_ || !(options_.holds || options_.inPlane)) return found_.at(place_px);
+  if (!first_ || !(options_.holdsFrom || options_.inPlane)) return found_.at(place_px);
   FoundSpot spot = *first_;
   spot.place = found_.inPlane(*first_, place_px);
   return spot;
 }
 
 void PointerStroke::putDown(const FoundSpot& spot) {
-  const double descent = kHover_mm * options_.unitsPer_mm + std::max(inward_, 0.0);
+  const double pressing = std::max(inward_, 0.0) * (options_.holdsFrom ? kGripTimes : 1);
+  const double descent = kHover_mm * options_.unitsPer_mm + pressing;
   rest_ = static_cast<std::uint64_t>(std::ceil(descent / step()));
   if (!first_) {
     first_ = spot;
-    if (options_.inPlane && !options_.holds) first_->outward = spot.toEye;
+    if (options_.inPlane && !options_.holdsFrom) first_->outward = spot.toEye;
     rest_ += static_cast<std::uint64_t>(std::ceil(kPress_s / options_.tick_s));
   }
   spot_ = first_->place == spot.place ? first_ : spot;
@@ -82,7 +83,7 @@ DrawnPose PointerStroke::pose() const {
           .outward = spot_->outward,
           .toEye = spot_->toEye,
           .inward = isLifted_ ? -hover : inward_,
-          .holds = options_.holds};
+          .holdsFrom = options_.holdsFrom};
 }
 
 // Follows the path, no faster than a hand moves, as far as it was drawn by now. Returns whether the stylus is put down

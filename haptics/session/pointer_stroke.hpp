@@ -14,7 +14,8 @@ struct StrokeOptions {
   DVec3 origin{0};       ///< of the found surface's coordinates
   double unitsPer_mm = 1;
   double inward = 0;     ///< depth of the stylus below the found surface, model units
-  bool holds = false;    ///< grab: what the stylus touches first is moved parallel to the picture
+  /// Of grab: what the stylus touches first is moved parallel to the picture (DrawnPose::holdsFrom).
+  std::optional<double> holdsFrom;
   bool inPlane = false;  ///< the stylus moves parallel to the picture in any case
   /// The stroke is steadied: the pointer pulls the stylus by a string of this length, pixels. The stroke ends where the
   /// stylus is then.

@@ -203,6 +203,25 @@ TEST_CASE("a room scanned from within stands on the floor, from which its furnit
   }
 }
 
+TEST_CASE("a wavy sheet is no street: it is seen from both sides") {
+  for (const double height : {1.0, 3.0, 10.0, 20.0, 30.0})
+    for (const double phase : {0.0, 1.5, 3.0})
+      for (const auto& [name, up] : kUpAxes) {
+        CAPTURE(height);
+        CAPTURE(phase);
+        CAPTURE(name);
+        PointCloud sheet;
+        for (int i = 0; i < 40000; ++i) {
+          const double x = 0.5 * (i % 200) - 50, y = 0.5 * (i / 200) - 50, along = x / 20 + phase;
+          sheet.positions.emplace_back(x, y, height * std::sin(along));
+          sheet.normals.emplace_back(glm::normalize(DVec3(-height / 20 * std::cos(along), 0, 1)));
+        }
+        const Upright found = findUp(turned(sheet, up));
+        CAPTURE(found.why);
+        CHECK_FALSE(found.isInterior);
+      }
+}
+
 TEST_CASE("a view from the origin along z has y down") {
   PointCloud view;
   const PointCloud room = turned(roomFromOneSide(), UpAxis::minusY);  // seen along z, as by a camera

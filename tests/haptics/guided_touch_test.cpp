@@ -222,7 +222,7 @@ TEST_CASE("a drawn stylus that has lost contact is put down again, one that hold
     int putDowns = 0;
     for (int tick = 0; tick < 400; ++tick) {
       DrawnPose pose = drawnPose(tick);
-      pose.holds = holds;
+      if (holds) pose.holdsFrom = 0.5;
       device.draw(pose);
       putDowns += device.read(tick * 1e-3).putDown;
       device.feel({});

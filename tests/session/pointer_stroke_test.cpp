@@ -174,7 +174,7 @@ TEST_CASE("the stylus is never farther from its proxy than the stroke presses") 
       for (const TraceRow& row : play(subject, kind, events, {}).rows)
         farthest = std::max(farthest, glm::distance(row.hip, row.proxy));
       const double risesInATick_mm = kind == BrushKind::inflate ? 0.02 : 1e-6;
-      CHECK(farthest > 0.5 * press_mm);
+      CHECK(farthest > (kind == BrushKind::grab ? 0.9 * BrushConfig{}.yieldDepth_mm : 0.5 * press_mm));
       CHECK(farthest < press_mm + risesInATick_mm);
     }
   }
@@ -269,6 +269,31 @@ TEST_CASE("what is grabbed moves parallel to the picture, as far as the pointer,
   CHECK(fastest == near(0.6, 0.001));
   CHECK(highest - lowest < 0.1);
   CHECK((ended + 1)->hip.x == near(80 * pixel, 0.01));
+}
+
+TEST_CASE("what is grabbed stays where it is until the pointer moves, and is not pressed in by a drag aside") {
+  const double pixel = 150 / kCamera.focal_px(kSize_px.y);
+  for (const bool isSheet : {false, true}) {
+    const Subject subject = isSheet ? sheet() : sphere();
+    const PointStates before(subject.model.cloud);
+    for (const double way_px : {0.0, 4.0}) {
+      CAPTURE(isSheet);
+      CAPTURE(way_px);
+      const std::vector<Event> events{
+          {0.3, {200, 150}}, {0.6, {200, 150}}, {0.7, {200 + way_px, 150}}, {1.2, {200 + way_px, 150}}};
+      const Played played = play(subject, BrushKind::grab, events, {});
+      double deepest = 0, aside = 0;
+      for (const PointState& state : played.points) {
+        if (state.number >= before.size()) continue;
+        const DVec3 moved = DVec3(state.position) - DVec3(before[state.number].position);
+        deepest = std::max(deepest, -moved.z);
+        aside = std::max(aside, moved.x);
+      }
+      CHECK(deepest < 0.05);
+      const double merged = isSheet && way_px > 0 ? 0.5 * subject.model.spacing : 0.01;
+      CHECK(aside == within(way_px * pixel, 0.2 * way_px * pixel + merged));
+    }
+  }
 }
 
 TEST_CASE("a steadied stroke follows a trembling pointer by a string, and ends where the string has pulled it") {

@@ -294,6 +294,36 @@ TEST_CASE_FIXTURE(OnBackEnd, "a brush that has done its work, or is slower than 
   }
 }
 
+TEST_CASE_FIXTURE(OnBackEnd, "a carve along a thin plate cuts a slot without a bridge, and nothing beyond its ball") {
+  for (const double step : {0.02, 0.2}) {
+    CAPTURE(step);
+    const Sheet plate = makeSheet(40, 16, 1.2, waveFor(BrushKind::carve));
+    const auto touch = make(plate.cloud, wanted(BrushKind::carve));
+    double time_s = 0;
+    const auto press = [&](const DVec3& hip, bool sculpts) {
+      touch->query({.time_s = time_s += 1e-3, .hip = hip, .sculpts = sculpts, .byButton = true}, 0);
+    };
+    const double depth = 0.6 * kBrush;
+    for (double z = 3; z > -depth; z -= 0.05) press({-8, 0, z}, true);
+    for (double x = -8; x < 8; x += step) press({x, 0, -depth}, true);
+    for (int k = 0; k < 300; ++k) press({8, 0, -depth}, true);
+    press({8, 0, 10}, false);
+    touch->finish();
+    PointCloud after = plate.cloud;
+    touch->readBack(after);
+    std::size_t bridge = 0, beside = 0;
+    for (const Vec3& p : after.positions) {
+      bridge += std::abs(p.x) < 8 && std::abs(p.y) < 0.4 * kBrush;
+      beside += std::abs(p.y) > 1.1 * kBrush;
+    }
+    CHECK(bridge == 0);
+    std::size_t had = 0;
+    for (const Vec3& p : plate.cloud.positions) had += std::abs(p.y) > 1.1 * kBrush;
+    CHECK(beside == had);
+    CHECK(touch->edits()->blocked().fromBehind == 0);
+  }
+}
+
 TEST_CASE("an edit is blocked if nearly all points are that would move, and not few of those that its stroke reaches") {
   BlockedCount count;
   count.note(1, 0, 100, true);
@@ -311,6 +341,8 @@ TEST_CASE("an edit is blocked if nearly all points are that would move, and not 
   count.note(3, 0, 5, false);
   CHECK(count.sum().fromBehind == 0);
   count.note(3, 0, 0, false);
+  CHECK(count.sum().fromBehind == 0);  // the stroke has changed what was there
+  count.note(4, 0, 0, false);
   CHECK(count.sum().fromBehind == 1);
 }
 
