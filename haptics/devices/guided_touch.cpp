@@ -98,8 +98,8 @@ int GuidedTouch::takePoses() noexcept {
 }
 
 // Never farther from the proxy than the stroke presses: a surface that yields is pressed no deeper, and a proxy that is
-// held back is not left behind. What it holds goes along with the pointer alone: from the tick at which it takes hold it
-// presses no deeper, and it comes down to there slowly, since an answer may be late.
+// held back is not left behind. What it holds goes along with the pointer alone: from the tick at which it takes hold
+// it presses no deeper, and it comes down to there slowly, since an answer may be late.
 void GuidedTouch::follow(const DrawnPose& pose, int ticks) noexcept {
   const double step = kFastestHand_mm_per_s * options_.tick_s * map_.scale * ticks;
   if (pose.holdsFrom && !grip_ && toProxy_ && map_.scale * glm::length(*toProxy_) > *pose.holdsFrom)
