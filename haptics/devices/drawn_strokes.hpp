@@ -20,7 +20,7 @@ struct DrawnPose {
   bool putDown = false;  ///< the stylus is lifted, and put down here: it did not move here
   /// From this length of the spring on, model units, it holds what it touched first, and need not touch anything later.
   std::optional<double> holdsFrom;
-  bool ends = false;     ///< the stroke ends: the stylus is lifted
+  bool ends = false;  ///< the stroke ends: the stylus is lifted
 };
 
 /// A queue: one thread adds, another one takes. Neither waits, and only the constructor allocates.

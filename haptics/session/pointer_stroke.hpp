@@ -13,7 +13,7 @@ struct StrokeOptions {
   double tick_s = 1e-3;  ///< time from pose to pose
   DVec3 origin{0};       ///< of the found surface's coordinates
   double unitsPer_mm = 1;
-  double inward = 0;     ///< depth of the stylus below the found surface, model units
+  double inward = 0;  ///< depth of the stylus below the found surface, model units
   /// Of grab: what the stylus touches first is moved parallel to the picture (DrawnPose::holdsFrom).
   std::optional<double> holdsFrom;
   bool inPlane = false;  ///< the stylus moves parallel to the picture in any case
