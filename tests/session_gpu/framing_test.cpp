@@ -13,9 +13,11 @@ TEST_CASE("one looks from above into a room that was scanned from inside, unless
   for (const bool isInterior : {false, true}) {
     model.upright.isInterior = isInterior;
     CHECK(framingOf(model, UpAxis::z).fromAbove == isInterior);
-    for (const std::optional<bool>& chosen : {std::optional<bool>(), std::optional(false), std::optional(true)})
+    for (const std::optional<bool>& chosen : {std::optional<bool>(), std::optional(false), std::optional(true)}) {
       CHECK(frameOptionsOf(model, UpAxis::z, {}, nullptr, {.hidesBacks = chosen}, {}).hidesBacks ==
             chosen.value_or(isInterior));
+      CHECK(hiddenBacksNote(model, {.hidesBacks = chosen}).empty() == (chosen || !isInterior));
+    }
   }
 }
 
