@@ -72,7 +72,7 @@ cmake --preset "$preset" > /dev/null
 field() { sed -n "s/^$2: //p;/^---/q" "$1"; }  # PATCH NAME
 
 # The target of a test file, which is compiled alone or with others (UNITY_BUILD); empty if it is not built. Of a file
-# whose cases run on both back ends it is that of the CPU, unless the bug is in a shader.
+# whose cases run on both back ends it is that of the CPU, unless the bug is in a shader or its header says "On: GPU".
 target_of() {  # FILE PATCH
   if [[ $1 == tests/python/* ]]; then
     sed -n 's/^build \(palpate_python\):.*/\1/p' "$built/build.ninja"
@@ -82,7 +82,7 @@ target_of() {  # FILE PATCH
   { sed -n "s|^build tests/CMakeFiles/\([a-z_]*\)\.dir/$part\.o:.*|\1|p" "$built/build.ninja"
     { grep -rl "/$1\"" "$built"/tests/CMakeFiles/*.dir/Unity 2> /dev/null || true; } |
       sed 's|.*/CMakeFiles/\([a-z_]*\)\.dir/.*|\1|'; } | sort -u |
-    if grep -q '^--- a/shaders/' "$2"; then tail -n 1; else head -n 1; fi
+    if grep -qE '^(--- a/shaders/|On: GPU$)' "$2"; then tail -n 1; else head -n 1; fi
 }
 
 # Runs a case and returns its failure; 3 if the case does not exist.
