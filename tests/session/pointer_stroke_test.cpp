@@ -290,6 +290,7 @@ TEST_CASE("what is grabbed stays where it is until the pointer moves, and is not
         aside = std::max(aside, moved.x);
       }
       CHECK(deepest < 0.05);
+      CHECK((changed(subject, played) == 0) == (way_px == 0));
       const double merged = isSheet && way_px > 0 ? 0.5 * subject.model.spacing : 0.01;
       CHECK(aside == within(way_px * pixel, 0.2 * way_px * pixel + merged));
     }
