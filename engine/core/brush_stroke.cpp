@@ -37,7 +37,7 @@ constexpr double kHeardOver = 1.0 / 3, kHearing = 1.3;
 // lower than its centre, and the height that counts is that of the centre.
 constexpr double kInflateHears = 0.5;
 constexpr double kMaxHeld = 1.9, kMaxHeldAside = 0.5;  // in brush radii: how far grab moves the points it holds
-constexpr double kStill = 1e-4;  // in brush radii: a hand that has moved less holds its points where they are
+constexpr double kStill = 1e-4;     // in brush radii: a hand that has moved less holds its points where they are
 constexpr double kMaxRaised = 0.9;  // in brush radii; more would raise points out of the brush's reach
 // Side of the cells of the grid of the surface: of the support radius, within which neighbours define the surface, at
 // least, and of the brush's radius, so that the grid contains the brush's ball.
