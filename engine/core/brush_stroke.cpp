@@ -133,8 +133,8 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
 // Below the surface that the stroke found last, and not beyond the reach of a tool there.
 bool BrushStroke::isBelow(const DVec3& hip) const {
   const DVec3 way = foundAt_ - hip;
-  const double depth = glm::dot(way, outward_), most = kMaxShaft * brush_.radius;
-  return depth > 0 && depth < most && glm::distance(way, depth * outward_) < most;
+  const double depth = glm::dot(way, outward_);
+  return depth > 0 && depth < kMaxShaft * brush_.radius && glm::distance(way, depth * outward_) < brush_.radius;
 }
 
 void BrushStroke::begin(const Place& place) {
