@@ -37,7 +37,7 @@ constexpr double kHeardOver = 1.0 / 3, kHearing = 1.3;
 // lower than its centre, and the height that counts is that of the centre.
 constexpr double kInflateHears = 0.5;
 constexpr double kMaxHeld = 1.9, kMaxHeldAside = 0.5;  // in brush radii: how far grab moves the points it holds
-constexpr double kStill = 1e-4;     // in brush radii: a hand that has moved less holds its points where they are
+constexpr double kStill = 1e-9;     // in brush radii: a hand that has moved no more has not moved but by rounding
 constexpr double kMaxRaised = 0.9;  // in brush radii; more would raise points out of the brush's reach
 // Side of the cells of the grid of the surface: of the support radius, within which neighbours define the surface, at
 // least, and of the brush's radius, so that the grid contains the brush's ball.
@@ -45,6 +45,7 @@ constexpr double kCellOfSupport = 0.5, kCellOfRadius = 1.0 / 7;
 // Cosines between the outward directions of the surface under the hand and of the side on which the stroke is: with
 // less than the first the hand has broken through to another side, until there is more than the second.
 constexpr double kOtherSide = -0.3, kSameSide = 0.3;
+constexpr double kStraight = 0.7;   // cosine: other surfaces are not those that a cut goes on in
 constexpr double kSideTurn = 2;     // of the side, in radians for each brush radius that the hand moves
 constexpr double kElsewhere = 2;    // in brush radii: farther from where it broke through, every side is a new one
 constexpr double kMinLength = 0.3;  // shortest mean normal that is meaningful
@@ -122,11 +123,12 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   // Withdraws: moves towards the proxy. A hand that moves sideways does not, although the proxy trails behind it.
   const bool withdraws = !has(shared::kHoldsPoints) && motion != DVec3(0) &&
                          glm::dot(motion, spring) > kWithdrawing * glm::length(motion) * glm::length(spring);
-  // What removes points goes on without contact where it has cut through a thin part, below the surface as it was.
-  const bool cutsOn =
-      has(shared::kRemovesPoints) && press == Press::button && open_ && sculpts && !touches && isBelow(hip);
-  if (cutsOn) place.outward = outward_, place.found = foundAt_;
-  acts_ = open_ && (holds || cutsOn || (yields && !brokeThrough_)) && !withdraws;
+  // What removes points goes on where it has cut through a thin part, below the surface as it was and along its normal,
+  // also where the hand has come to something else.
+  cutsOn_ = has(shared::kRemovesPoints) && press == Press::button && open_ && sculpts && !yields &&
+            (!touches || motion != DVec3(0)) && isBelow(hip);
+  if (cutsOn_) place.outward = outward_, place.found = foundAt_;
+  acts_ = open_ && (holds || cutsOn_ || (yields && !brokeThrough_)) && !withdraws;
   if (acts_) goOnTo(place);
 }
 
@@ -375,8 +377,9 @@ void BrushStroke::takeIn(const SurfaceMeasure& measure) {
   // Implausible sums have wrapped around.
   const double length = glm::length(mean);
   if (!(length > kMinLength && length < 1.01 && std::abs(height) <= static_cast<double>(shared::kMaxHeight))) return;
+  if (cutsOn_ && glm::dot(mean, outward_) < kStraight * length) return;
   foundAt_ = tool_.hand + height * brush_.radius * tool_.outward;
-  if (!has(shared::kHoldsPoints)) outward_ = mean / length;
+  if (!has(shared::kHoldsPoints) && !cutsOn_) outward_ = mean / length;
 }
 
 }  // namespace palpate

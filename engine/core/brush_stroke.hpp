@@ -119,6 +119,7 @@ class BrushStroke {
   bool yielded_ = false;  // the surface yielded at the last answer
   bool awaitsRelease_ = false;
   bool brokeThrough_ = false;  // the hand is at another side of the model than the stroke
+  bool cutsOn_ = false;        // it removes points, and need not be held back by them
   double lastTouch_s_ = 0, lastEdit_s_ = 0;
   bool edited_ = false;          // whether this stroke has edited
   std::uint32_t idleEdits_ = 0;  // edits since the last with an effect, kMaxFilling at most
