@@ -20,8 +20,6 @@ class DrawnGaussians {
   DrawnGaussians(Device& device, const PointCloud& cloud);
 
   std::uint32_t count() const { return count_; }
-  /// Visible ones that are farther from the points than a hand feels, so that they follow no edit: sky and haze.
-  std::uint64_t beyondTouch() const { return beyondTouch_; }
   /// "9080 Gaussians of degree 3, drawn as they were trained", and how many are beyond touch.
   std::string inWords() const;
   /// Mean spacing of the points, model units.
@@ -37,7 +35,7 @@ class DrawnGaussians {
 
  private:
   std::uint32_t count_, harmonicCount_ = 0;
-  std::uint64_t beyondTouch_ = 0;
+  std::uint64_t beyondTouch_ = 0;  // visible ones farther from the points than a hand feels: sky and haze
   float spacing_;
   Buffer gaussians_, harmonics_, positions_, normals_, colors_;
 };

@@ -203,7 +203,7 @@ TEST_CASE("a room scanned from within stands on the floor, from which its furnit
   }
 }
 
-TEST_CASE("a wavy sheet is no street: it is seen from both sides") {
+TEST_CASE("a wavy sheet is seen from both sides, unlike a street") {
   for (const double height : {1.0, 3.0, 10.0, 20.0, 30.0})
     for (const double phase : {0.0, 1.5, 3.0})
       for (const auto& [name, up] : kUpAxes) {
